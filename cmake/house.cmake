@@ -1,0 +1,60 @@
+# The project's own ways to declare a target, so that warnings and include roots are said once.
+
+add_library(c3rt_house INTERFACE)
+add_library(c3rt::house ALIAS c3rt_house)
+target_compile_options(c3rt_house INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  $<$<BOOL:${C3RT_WERROR}>:-Werror>
+  # the same bits on every machine: no fused multiply-add chosen by the compiler
+  -ffp-contract=off)
+target_include_directories(c3rt_house INTERFACE ${PROJECT_SOURCE_DIR})
+if(C3RT_SANITIZE)
+  target_compile_options(c3rt_house INTERFACE -fsanitize=${C3RT_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(c3rt_house INTERFACE -fsanitize=${C3RT_SANITIZE})
+endif()
+
+# c3rt_library(NAME SOURCES file... [DEPS target...] [PRIVATE_DEPS target...])
+# A library c3rt_NAME, alias c3rt::NAME. Without sources it is header-only.
+function(c3rt_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  if(arg_SOURCES)
+    add_library(c3rt_${name} STATIC ${arg_SOURCES})
+    set_target_properties(c3rt_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_link_libraries(c3rt_${name} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS} $<BUILD_INTERFACE:c3rt::house>)
+    target_include_directories(c3rt_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  else()
+    add_library(c3rt_${name} INTERFACE)
+    target_link_libraries(c3rt_${name} INTERFACE ${arg_DEPS})
+    target_include_directories(c3rt_${name} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  endif()
+  add_library(c3rt::${name} ALIAS c3rt_${name})
+endfunction()
+
+# c3rt_process(NAME main.cpp [DEPS target...]): the executable c3rt-NAME, installed
+function(c3rt_process name source)
+  cmake_parse_arguments(arg "" "" "DEPS" ${ARGN})
+  add_executable(c3rt-${name} ${source})
+  target_link_libraries(c3rt-${name} PRIVATE ${arg_DEPS} c3rt::house)
+  set_target_properties(c3rt-${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  install(TARGETS c3rt-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# c3rt_test(room/name [DEPS target...] [LABEL unit|integration|system] [TIMEOUT seconds])
+# tests/room/name_test.cpp becomes the ctest "room/name"
+function(c3rt_test path)
+  cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "DEPS" ${ARGN})
+  if(NOT arg_LABEL)
+    set(arg_LABEL unit)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 60)
+  endif()
+  string(REPLACE "/" "_" target test_${path})
+  add_executable(${target} ${PROJECT_SOURCE_DIR}/tests/${path}_test.cpp)
+  target_link_libraries(${target} PRIVATE ${arg_DEPS} c3rt_test_main c3rt::house)
+  target_compile_definitions(${target} PRIVATE
+    C3RT_SOURCE_DIRECTORY="${PROJECT_SOURCE_DIR}" C3RT_BINARY_DIRECTORY="${PROJECT_BINARY_DIR}"
+    C3RT_THIRD_PARTY="${C3RT_THIRD_PARTY}")
+  add_test(NAME ${path} COMMAND ${target})
+  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
+endfunction()

@@ -1,0 +1,32 @@
+# Everything that is not ours, found once and given one name each.
+
+list(PREPEND CMAKE_PREFIX_PATH "${C3RT_THIRD_PARTY}")
+if(NOT EXISTS "${C3RT_THIRD_PARTY}/lib/libosqp.a")
+  message(FATAL_ERROR "OSQP and Pinocchio are not in ${C3RT_THIRD_PARTY}: run ./c3rt setup (or cmake/third_party.sh) first")
+endif()
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(CycloneDDS 0.10 REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(pinocchio 3.4 REQUIRED)
+find_package(Boost REQUIRED COMPONENTS filesystem)
+
+# Third-party headers are not held to our warnings.
+function(c3rt_imported name)
+  cmake_parse_arguments(arg "" "" "INCLUDE;LINK" ${ARGN})
+  add_library(third_party_${name} INTERFACE)
+  add_library(third_party::${name} ALIAS third_party_${name})
+  target_include_directories(third_party_${name} SYSTEM INTERFACE ${arg_INCLUDE})
+  target_link_libraries(third_party_${name} INTERFACE ${arg_LINK})
+endfunction()
+
+c3rt_imported(osqp INCLUDE "${C3RT_THIRD_PARTY}/include/osqp" LINK "${C3RT_THIRD_PARTY}/lib/libosqp.a" m dl)
+c3rt_imported(mujoco LINK mujoco)
+c3rt_imported(osmesa LINK OSMesa)
+c3rt_imported(opencv INCLUDE ${OpenCV_INCLUDE_DIRS} LINK ${OpenCV_LIBS})
+c3rt_imported(pinocchio LINK pinocchio::pinocchio)

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# Fetches, checks, unpacks and builds the pinned source releases of OSQP and Pinocchio under build/third_party.
+# Nothing of them is committed; a second run finds the stamps and does nothing.
+#
+#   cmake/third_party.sh [DIRECTORY]        default: build/third_party
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+directory=${1:-$root/build/third_party}
+prefix=$directory/prefix
+jobs=${C3RT_JOBS:-$(nproc)}
+compiler_launcher=()
+command -v ccache >/dev/null && compiler_launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+
+say() { printf '[third party] %s\n' "$*"; }
+fail() { printf 'c3rt: error: %s\n' "$*" >&2; exit 2; }
+
+# fetch NAME==VERSION FILE SHA256: the source release, downloaded without running its build
+fetch() {
+  local requirement=$1 file=$2 expected=$3
+  if [[ ! -f $directory/download/$file ]]; then
+    if [[ ! -x $directory/tools/bin/unearth ]]; then
+      say "installing the downloader (unearth) into a virtual environment"
+      /usr/bin/python3 -m venv "$directory/tools"
+      "$directory/tools/bin/pip" --quiet install 'unearth==0.17.5' || "$directory/tools/bin/pip" --quiet install unearth
+    fi
+    say "downloading $requirement"
+    mkdir -p "$directory/download"
+    "$directory/tools/bin/unearth" --no-binary --download "$directory/download" "$requirement" >"$directory/download.log" 2>&1 ||
+      { tail -n 5 "$directory/download.log" >&2; fail "could not download $requirement; is the package index reachable?"; }
+  fi
+  local actual
+  actual=$(sha256sum "$directory/download/$file" | cut -d' ' -f1)
+  [[ $actual == "$expected" ]] ||
+    fail "$file: expected sha256 $expected, got $actual; delete $directory/download/$file and run again"
+}
+
+# run LOG COMMAND...: quiet unless it fails
+run() {
+  local log=$1
+  shift
+  "$@" >"$log" 2>&1 || { tail -n 30 "$log" >&2; fail "failed: $* (whole log: $log)"; }
+}
+
+mkdir -p "$directory"
+
+osqp_stamp=$prefix/.osqp-0.6.3
+if [[ ! -f $osqp_stamp ]]; then
+  fetch 'osqp==0.6.7.post3' osqp-0.6.7.post3.tar.gz b0c5e0a721f21c9724097a4fd50108304d296468d124e16f34ac67046f7020e1
+  say "building OSQP 0.6.3"
+  rm -rf "$directory/osqp" && mkdir -p "$directory/osqp"
+  tar -xzf "$directory/download/osqp-0.6.7.post3.tar.gz" -C "$directory/osqp" --strip-components=1
+  # the release leaves the demo's source out, but its CMakeLists.txt names it
+  mkdir -p "$directory/osqp/osqp_sources/examples"
+  echo 'int main(void) { return 0; }' >"$directory/osqp/osqp_sources/examples/osqp_demo.c"
+  run "$directory/osqp.log" cmake -S "$directory/osqp/osqp_sources" -B "$directory/osqp/build" -G Ninja \
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_POSITION_INDEPENDENT_CODE=ON \
+    -DCMAKE_C_FLAGS=-ffp-contract=off -DPRINTING=OFF -DPROFILING=OFF -DCTRLC=OFF -DENABLE_MKL_PARDISO=OFF -DUNITTESTS=OFF \
+    "${compiler_launcher[@]}"
+  run "$directory/osqp.log" cmake --build "$directory/osqp/build" --target osqpstatic -j "$jobs"
+  mkdir -p "$prefix/lib" "$prefix/include/osqp"
+  cp "$directory/osqp/build/out/libosqp.a" "$prefix/lib/"
+  cp "$directory"/osqp/osqp_sources/include/*.h "$prefix/include/osqp/"
+  touch "$osqp_stamp"
+fi
+
+pinocchio_stamp=$prefix/.pinocchio-3.4.0
+if [[ ! -f $pinocchio_stamp ]]; then
+  fetch 'pin==3.4.0' pin-3.4.0.tar.gz 95c8e9c707dad9c412247874ca3f8ac77f0d5f51e49f02856f88146478e2660b
+  say "building Pinocchio 3.4.0 (about two minutes on two cores)"
+  rm -rf "$directory/pinocchio" && mkdir -p "$directory/pinocchio"
+  tar -xzf "$directory/download/pin-3.4.0.tar.gz" -C "$directory/pinocchio" --strip-components=1
+  run "$directory/pinocchio.log" cmake -S "$directory/pinocchio" -B "$directory/pinocchio/build" -G Ninja \
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
+    -DENABLE_TEMPLATE_INSTANTIATION=OFF -DBUILD_PYTHON_INTERFACE=OFF -DBUILD_TESTING=OFF -DBUILD_BENCHMARK=OFF \
+    -DBUILD_EXAMPLES=OFF -DBUILD_WITH_COLLISION_SUPPORT=OFF -DBUILD_WITH_SDF_SUPPORT=OFF -DBUILD_WITH_URDF_SUPPORT=ON \
+    "${compiler_launcher[@]}"
+  run "$directory/pinocchio.log" cmake --build "$directory/pinocchio/build" --target install -j "$jobs"
+  # the Panda's description travels with Pinocchio's source release (Apache-2.0)
+  mkdir -p "$prefix/share/panda_description"
+  cp -r "$directory/pinocchio/models/example-robot-data/robots/panda_description/." "$prefix/share/panda_description/"
+  touch "$pinocchio_stamp"
+fi
+say "ready in $prefix"

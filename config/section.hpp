@@ -1,0 +1,72 @@
+#pragma once
+// YAML -> structs, strictly: unknown keys, wrong types, wrong sizes and values out of range are refused with
+// file, line, key and what was expected.
+#include <initializer_list>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace c3rt::config {
+
+/// "circle.yaml:12: planner.admm.iterations: expected an integer in [1, 50], got 0"
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Range {
+  double min;
+  double max;
+};
+
+/// One mapping of a YAML file. Every key must be read once; finish() refuses what nobody read.
+class Section {
+ public:
+  double number(const std::string& key, Range allowed);
+  int integer(const std::string& key, Range allowed);
+  bool boolean(const std::string& key);
+  std::string text(const std::string& key);
+  /// A list of exactly `size` numbers.
+  Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
+  /// A list of `min_size`..`max_size` numbers.
+  Eigen::VectorXd numbers(const std::string& key, int min_size, int max_size, Range allowed);
+  /// One of the named choices; the error lists them.
+  template <typename E>
+  E choice(const std::string& key, std::initializer_list<std::pair<const char*, E>> choices) {
+    const std::string value = text(key);
+    std::string names;
+    for (const auto& [name, result] : choices) {
+      if (value == name) return result;
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    fail(key, "one of " + names, "\"" + value + "\"");
+  }
+  bool has(const std::string& key) const;
+  Section section(const std::string& key);                  // a mapping below this one
+  std::vector<Section> list(const std::string& key, int min_size, int max_size);  // a list of mappings
+
+  /// Refuses keys that nobody read, in this mapping and in those below that were opened.
+  void finish() const;
+  /// Throws ConfigError for `key` of this section.
+  [[noreturn]] void fail(const std::string& key, const std::string& expected, const std::string& got) const;
+
+ private:
+  friend class Document;
+  struct Node;
+  std::shared_ptr<Node> node_;
+};
+
+/// A scenario file with overrides applied.
+class Document {
+ public:
+  /// @param overrides "planner.admm.iterations=2": replaces one existing key; an unknown one is refused
+  /// @throws ConfigError if the file is missing, not YAML, or an override names no key
+  static Section load(const std::string& path, const std::vector<std::string>& overrides = {});
+  static Section parse(const std::string& text, const std::string& name, const std::vector<std::string>& overrides = {});
+};
+
+}  // namespace c3rt::config
