@@ -1,0 +1,94 @@
+#include "config/section.hpp"
+
+#include <catch2/catch.hpp>
+
+using c3rt::config::ConfigError;
+using c3rt::config::Document;
+using c3rt::config::Section;
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+
+namespace {
+const char* const kText = R"(planner:
+  rate_hz: 75
+  gains: [1, 2.5, 3]
+  qp: direct
+  verbose: true
+  balls:
+    - mass_kg: 0.1
+    - mass_kg: 0.2
+)";
+
+Section planner(const std::vector<std::string>& overrides = {}) {
+  return Document::parse(kText, "a.yaml", overrides).section("planner");
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+}  // namespace
+
+TEST_CASE("section: values of the right type and range are read") {
+  Section section = planner();
+  REQUIRE(section.number("rate_hz", {1, 1000}) == 75.0);
+  REQUIRE(section.integer("rate_hz", {1, 1000}) == 75);
+  REQUIRE(section.numbers("gains", 3, {0, 10}) == Eigen::Vector3d(1, 2.5, 3));
+  REQUIRE(section.boolean("verbose"));
+  REQUIRE(section.choice<int>("qp", {{"osqp", 1}, {"direct", 2}}) == 2);
+  std::vector<Section> balls = section.list("balls", 1, 4);
+  REQUIRE(balls.size() == 2);
+  REQUIRE(balls[1].number("mass_kg", {0, 1}) == 0.2);
+}
+
+TEST_CASE("section: an error names file, line, key, what was expected and what came") {
+  CHECK_THAT(error_of([] { (void)planner().number("rate_hz", {100, 200}); }),
+             Equals("a.yaml:2: planner.rate_hz: expected a number in [100, 200], got \"75\""));
+  CHECK_THAT(error_of([] { (void)planner().number("absent", {0, 1}); }), Contains("planner.absent: missing"));
+  CHECK_THAT(error_of([] { (void)planner().numbers("gains", 4, {0, 10}); }),
+             Equals("a.yaml:3: planner.gains: expected a list of 4 numbers in [0, 10], got a list of 3"));
+  CHECK_THAT(error_of([] { (void)planner().numbers("gains", 3, {0, 2}); }), Contains("\"2.5\" at place 2"));
+  CHECK_THAT(error_of([] { (void)planner().integer("gains", {0, 2}); }), Contains("expected an integer"));
+  CHECK_THAT(error_of([] { (void)planner().boolean("qp"); }), Contains("expected true or false, got \"direct\""));
+  CHECK_THAT(error_of([] { (void)planner().choice<int>("qp", {{"osqp", 1}, {"auto", 2}}); }),
+             Contains("one of osqp, auto, got \"direct\""));
+  CHECK_THAT(error_of([] { (void)planner().list("balls", 3, 4); }), Contains("list of 3 to 4 mappings"));
+}
+
+TEST_CASE("section: what is not a finite number is refused") {
+  for (const char* text : {"a: nan", "a: inf", "a: 1x", "a: ''", "a: [1]", "a: 1e999"}) {
+    Section section = Document::parse(text, "b.yaml");
+    CHECK_THROWS_AS(section.number("a", {-1e300, 1e300}), ConfigError);
+  }
+}
+
+TEST_CASE("section: finish refuses keys that nobody read, also below, and keys given twice") {
+  Section root = Document::parse("a: 1\nb:\n  c: 1\n  d: 2\n", "c.yaml");
+  (void)root.number("a", {0, 1});
+  (void)root.section("b").number("c", {0, 1});
+  CHECK_THAT(error_of([&] { root.finish(); }), Equals("c.yaml:4: b.d: unknown key"));
+  Section twice = Document::parse("a: 1\na: 1\n", "d.yaml");
+  (void)twice.number("a", {0, 1});
+  CHECK_THAT(error_of([&] { twice.finish(); }), Contains("a: given twice"));
+}
+
+TEST_CASE("section: an override replaces one existing key and no other") {
+  REQUIRE(planner({"planner.rate_hz=80"}).number("rate_hz", {0, 100}) == 80.0);
+  REQUIRE(planner({"planner.balls.1.mass_kg=0.3"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1}) == 0.3);
+  REQUIRE(planner({"planner.gains=[3, 2, 1]"}).numbers("gains", 3, {0, 10})[0] == 3.0);
+  CHECK_THAT(error_of([] { (void)planner({"planner.rate=80"}); }), Contains("--set planner.rate: no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }), Contains("no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"rate"}); }), Contains("expected key=value"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.rate_hz=500"}).number("rate_hz", {0, 100}); }),
+             Contains("a.yaml with --set: planner.rate_hz: expected a number in [0, 100], got \"500\""));
+}
+
+TEST_CASE("section: text that is not YAML, and a file that is not there, are named") {
+  CHECK_THAT(error_of([] { (void)Document::parse("a: [1", "e.yaml"); }), Contains("e.yaml:1: not YAML"));
+  CHECK_THAT(error_of([] { (void)Document::parse("- 1", "e.yaml"); }), Contains("expected a mapping"));
+  CHECK_THAT(error_of([] { (void)Document::load("absent.yaml"); }), Equals("absent.yaml: cannot be read"));
+}
