@@ -1,0 +1,18 @@
+#pragma once
+// What the plant needs to know; the numbers stand in the scenario.
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "plant_emulator/scene.hpp"
+
+namespace c3rt::plant {
+
+using Vector7d = Eigen::Matrix<double, kJoints, 1>;
+
+struct Parameters {
+  World world;
+  Vector7d initial_q;  // [rad]
+};
+
+}  // namespace c3rt::plant

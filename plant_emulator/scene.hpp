@@ -1,0 +1,87 @@
+#pragma once
+// The MuJoCo model of robot, table and balls; the plant steps it and the virtual cameras render it.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <mujoco/mujoco.h>
+
+namespace c3rt::plant {
+
+constexpr int kJoints = 7;
+constexpr int kMaxBalls = 4;
+constexpr double kEndEffectorRadius = 0.0195;  // [m]
+
+/// Visual groups of the geoms (mjvOption.geomgroup). Render kGroupWorld and one of the arm's two looks.
+enum GeomGroup {
+  kGroupWorld = 0,          // table, balls, end effector
+  kGroupArmPrimitives = 1,  // the arm as capsules: cheap
+  kGroupArmMeshes = 2,      // the arm as meshes; empty without SceneParameters::mesh_directory
+};
+
+struct BallParameters {
+  Eigen::Vector2d position;  // of the centre, seen from above, at the start [m]
+  double radius;             // [m]
+  double mass;               // [kg]; the inertia is that of a solid sphere
+};
+
+/// Coulomb friction coefficients, by pair.
+struct Friction {
+  double ball_table;
+  double ball_end_effector;
+  double ball_ball;
+  double end_effector_table;
+};
+
+struct World {
+  double table_height;         // z of the table's surface below kTablePivot [m]
+  Eigen::Vector2d table_tilt;  // about x, then about the tilted y [rad]; the surface turns about kTablePivot
+  Friction friction;
+  double rolling_friction;  // lever of the rolling resistance, 0 for none [m]
+  double step;              // of the integration [s]
+  std::vector<BallParameters> balls;
+};
+
+/// Point of the ground plan about which the table tilts: below the arm's home pose [m].
+inline const Eigen::Vector2d kTablePivot{0.55, 0.0};
+
+/// A pinhole camera without distortion. Axes of C as in OpenGL and MuJoCo: x right, y up, it looks along -z.
+struct CameraPose {
+  std::string name;
+  Eigen::Vector3d p_WC;     // [m]
+  Eigen::Quaterniond q_WC;
+  double fovy;  // vertical field of view [rad]
+};
+
+struct SceneParameters {
+  World world;
+  std::vector<CameraPose> cameras;
+  int offscreen_width;   // [px]; its size costs render time, so no larger than needed
+  int offscreen_height;  // [px]
+  int offscreen_samples;       // multisampling, 0 for none
+  std::string mesh_directory;  // folder of link0.stl .. link7.stl; empty: primitives only
+};
+
+struct ModelDeleter {
+  void operator()(mjModel* model) const noexcept { mj_deleteModel(model); }
+};
+struct DataDeleter {
+  void operator()(mjData* data) const noexcept { mj_deleteData(data); }
+};
+using Model = std::unique_ptr<mjModel, ModelDeleter>;
+using Data = std::unique_ptr<mjData, DataDeleter>;
+
+/// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then one free joint per ball), bodies link1..link7,
+/// end_effector, table, ball0.., site end_effector at the centre of its sphere, cameras as given.
+/// @throws std::invalid_argument for parameters out of range, std::runtime_error with MuJoCo's words otherwise
+Model build_model(const SceneParameters& parameters);
+
+/// Centre of ball `index` when it touches the table at its start position. [m]
+Eigen::Vector3d ball_start(const World& world, int index);
+
+/// Folder of the arm's meshes that the set-up installed, or empty if they are not there.
+std::string installed_mesh_directory();
+
+}  // namespace c3rt::plant
