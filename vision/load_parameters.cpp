@@ -1,0 +1,80 @@
+#include "vision/load_parameters.hpp"
+
+namespace c3rt::vision {
+namespace {
+
+constexpr int kMaxCameras = 8;
+
+EstimatorParameters load_filter(config::Section section) {
+  EstimatorParameters p{};
+  p.position_weight = section.number("position_weight", {0.01, 1});
+  p.velocity_weight = section.number("velocity_weight", {0.01, 1});
+  p.velocity_filter = section.choice<VelocityFilter>(
+      "velocity_filter", {{"two_tap", VelocityFilter::kTwoTap}, {"recursive", VelocityFilter::kRecursive}});
+  p.lost_after = section.number("lost_after_s", {0.01, 10});
+  p.gate = section.number("gate_m", {0.001, 1});
+  p.gate_misses = section.integer("gate_misses", {0, 1000});
+  return p;
+}
+
+DetectorParameters load_detector(config::Section section) {
+  DetectorParameters p{};
+  p.roi = section.integer("roi_px", {16, 512});
+  p.search_binning = section.integer("search_binning", {1, 8});
+  p.blur = section.number("blur_px", {0.3, 3});
+  p.hough_resolution = section.number("hough_resolution_px", {1, 4});
+  p.hough_edge = section.number("hough_edge", {1, 255});
+  p.hough_votes = section.number("hough_votes", {1, 500});
+  p.radius_tolerance = section.number("radius_tolerance", {0.02, 0.6});
+  p.rays = section.integer("rays", {16, 720});
+  p.edge_contrast = section.number("edge_contrast", {1, 255});
+  p.inlier = section.number("inlier_px", {0.1, 5});
+  p.visible = section.number("visible", {0.1, 1});
+  p.position = section.choice<PositionMethod>(
+      "position", {{"plane", PositionMethod::kPlane}, {"radius", PositionMethod::kRadius}});
+  return p;
+}
+
+CameraParameters load_camera(config::Section section) {
+  CameraParameters p{};
+  p.name = section.text("name");
+  p.p_WC = section.numbers("position_m", 3, {-5, 5});
+  const Eigen::Vector3d target = section.numbers("look_at_m", 3, {-5, 5});
+  if ((target - p.p_WC).head<2>().norm() < 0.01) {
+    section.fail("look_at_m", "a point that is not straight above or below position_m", "the same x and y");
+  }
+  p.R_WC = look_at(p.p_WC, target);
+  p.fovy = section.number("fovy_rad", {0.05, 2.5});
+  p.width = section.integer("width_px", {32, 2048});
+  p.height = section.integer("height_px", {32, 2048});
+  return p;
+}
+
+}  // namespace
+
+Parameters load_parameters(config::Section section) {
+  Parameters p{};
+  p.source = section.choice<SourceKind>("source",
+                                        {{"cameras", SourceKind::kCameras}, {"emulated", SourceKind::kEmulated}});
+  p.rate = section.number("rate_hz", {1, 1000});
+  config::Section emulated = section.section("emulated");
+  p.emulated.noise = emulated.number("noise_m", {0, 0.1});
+  p.emulated.clip = emulated.number("clip_m", {0, 0.1});
+  p.estimator = load_filter(section.section("filter"));
+  p.fusion.outlier = section.section("fusion").number("outlier_m", {1e-4, 1});
+  p.detector = load_detector(section.section("detector"));
+  p.pixel_noise = section.number("pixel_noise", {0, 50});
+  for (config::Section& camera : section.list("cameras", 0, kMaxCameras)) p.cameras.push_back(load_camera(camera));
+  if (p.source == SourceKind::kCameras && p.cameras.empty()) {
+    section.fail("cameras", "at least one camera, because source is cameras", "none");
+  }
+  for (const CameraParameters& camera : p.cameras) {
+    if (p.detector.roi > camera.width || p.detector.roi > camera.height) {
+      section.fail("cameras", "images not smaller than detector.roi_px", "a smaller one: " + camera.name);
+    }
+  }
+  section.finish();
+  return p;
+}
+
+}  // namespace c3rt::vision

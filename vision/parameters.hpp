@@ -1,0 +1,44 @@
+#pragma once
+// What the scenario's `vision:` section says. Plain data; load_parameters.hpp reads it.
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "vision/track/detect.hpp"
+#include "vision/track/estimator.hpp"
+#include "vision/track/fuse.hpp"
+
+namespace c3rt::vision {
+
+enum class SourceKind {
+  kCameras,   // rendered views, circle detection, fusion
+  kEmulated,  // ground truth at the exposure plus noise (paper, VII-A)
+};
+
+struct EmulatedParameters {
+  double noise;  // standard deviation on x and y [m]
+  double clip;   // the noise of one axis never exceeds this [m]
+};
+
+struct CameraParameters {
+  std::string name;
+  Eigen::Vector3d p_WC;     // [m]
+  Eigen::Matrix3d R_WC;     // x right, y down, z forward in the image
+  double fovy;              // vertical field of view [rad]
+  int width, height;        // of the full image [px]
+};
+
+struct Parameters {
+  SourceKind source;
+  double rate;                           // exposures per second [Hz]
+  EmulatedParameters emulated;
+  EstimatorParameters estimator;
+  FusionParameters fusion;
+  DetectorParameters detector;
+  double pixel_noise;                    // standard deviation of the virtual cameras' noise [grey levels]
+  std::vector<CameraParameters> cameras;
+};
+
+}  // namespace c3rt::vision

@@ -1,0 +1,32 @@
+#include "vision/track/fuse.hpp"
+
+namespace c3rt::vision {
+
+Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d& p_expected,
+            const FusionParameters& parameters) {
+  Fusion best;
+  best.used.assign(estimates.size(), false);
+  double best_distance = 0.0;
+  for (const CameraEstimate& member : estimates) {
+    if (!member.found) continue;
+    Fusion candidate;
+    candidate.found = true;
+    candidate.used.assign(estimates.size(), false);
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      if (!estimates[i].found || (estimates[i].p_WB - member.p_WB).norm() > parameters.outlier) continue;
+      candidate.used[i] = true;
+      candidate.p_WB += estimates[i].p_WB;
+      ++candidate.cameras_used;
+    }
+    candidate.p_WB /= candidate.cameras_used;
+    const double distance = (candidate.p_WB - p_expected).norm();
+    if (candidate.cameras_used > best.cameras_used ||
+        (candidate.cameras_used == best.cameras_used && distance < best_distance)) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace c3rt::vision
