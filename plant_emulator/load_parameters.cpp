@@ -1,0 +1,34 @@
+#include "plant_emulator/load_parameters.hpp"
+
+#include "plant_emulator/plant.hpp"
+
+namespace c3rt::plant {
+
+Parameters load(config::Section section) {
+  Parameters p{};
+  p.world.table_height = section.number("table_height_m", {-0.5, 0.5});
+  p.world.table_tilt = section.numbers("table_tilt_rad", 2, {-0.3, 0.3});
+  config::Section friction = section.section("friction");
+  p.world.friction.ball_table = friction.number("ball_table", {0.01, 5});
+  p.world.friction.ball_end_effector = friction.number("ball_end_effector", {0.01, 5});
+  p.world.friction.ball_ball = friction.number("ball_ball", {0.01, 5});
+  p.world.friction.end_effector_table = friction.number("end_effector_table", {0.01, 5});
+  p.world.rolling_friction = section.number("rolling_friction_m", {0, 0.005});
+  p.world.step = section.number("step_s", {1e-4, 1e-3});
+  p.initial_q = section.numbers("initial_q_rad", kJoints, {-4, 4});
+  for (int i = 0; i < kJoints; ++i) {
+    if (p.initial_q[i] < kPositionMin[i] || p.initial_q[i] > kPositionMax[i])
+      section.fail("initial_q_rad",
+                   "joint " + std::to_string(i + 1) + " in [" + std::to_string(kPositionMin[i]) + ", " +
+                       std::to_string(kPositionMax[i]) + "]",
+                   std::to_string(p.initial_q[i]));
+  }
+  for (config::Section& ball : section.list("balls", 1, kMaxBalls)) {
+    p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}), ball.number("radius_m", {0.005, 0.2}),
+                             ball.number("mass_kg", {0.001, 10})});
+  }
+  section.finish();
+  return p;
+}
+
+}  // namespace c3rt::plant

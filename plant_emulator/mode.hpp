@@ -1,0 +1,38 @@
+#pragma once
+// The robot's modes as one function.
+#include "plant_emulator/errors.hpp"
+
+namespace c3rt::plant {
+
+enum class Mode {
+  kIdle,         // holds its position; waits for a command
+  kMove,         // follows commanded torques
+  kReflex,       // an error stopped it: brakes and holds until recovered
+  kUserStopped,  // a person stopped it: brakes and holds until recovered
+};
+
+struct ModeState {
+  Mode mode;
+  Errors errors;  // of the reflex; kept until recovery
+};
+
+/// What happened in one cycle.
+struct Events {
+  bool command;      // a command that can be applied arrived
+  Errors errors;     // found in this cycle
+  bool stop;         // requested by a person
+  bool recover;      // requested by a person
+};
+
+/// A person's stop comes before everything, an error before motion, and only a person's recovery ends either.
+constexpr ModeState next(ModeState now, Events events) noexcept {
+  if (events.stop) return {Mode::kUserStopped, now.errors};
+  if (now.mode == Mode::kReflex || now.mode == Mode::kUserStopped) {
+    if (events.recover) return {Mode::kIdle, 0};
+    return {now.mode, now.errors | events.errors};
+  }
+  if (events.errors != 0) return {Mode::kReflex, events.errors};
+  return {events.command ? Mode::kMove : now.mode, 0};
+}
+
+}  // namespace c3rt::plant

@@ -1,0 +1,27 @@
+#pragma once
+// The plant that the tests of this room share.
+#include "plant_emulator/parameters.hpp"
+
+namespace c3rt::plant {
+
+inline World test_world() {
+  World world{};
+  world.table_height = -0.0245;
+  world.table_tilt = Eigen::Vector2d::Zero();
+  world.friction = {1.0, 1.0, 1.0, 1.0};
+  world.rolling_friction = 0.0;
+  world.step = 0.0005;
+  world.balls.push_back({{0.55, 0.1}, 0.0315, 0.132});
+  return world;
+}
+
+inline SceneParameters test_scene() { return {test_world(), {}, 64, 64, 0, ""}; }
+
+inline Parameters test_parameters() {
+  Parameters parameters{};
+  parameters.world = test_world();
+  parameters.initial_q << 0, 0.275, 0, -2.222, 0, 2.497, 0;
+  return parameters;
+}
+
+}  // namespace c3rt::plant
