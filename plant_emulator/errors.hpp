@@ -7,11 +7,11 @@
 namespace c3rt::plant {
 
 enum class Error : int {
-  kJointPositionLimitsViolation,        // a joint left its range while commanded
-  kJointVelocityViolation,              // a joint was faster than its limit while commanded
-  kCommunicationConstraintsViolation,   // too many commands in a row were lost
-  kCommandNotFinite,                    // a command held NaN or Inf
-  kInstabilityDetected,                 // the simulation lost its numbers
+  kJointPositionLimitsViolation,       // a joint left its range while commanded
+  kJointVelocityViolation,             // a joint was faster than its limit while commanded
+  kCommunicationConstraintsViolation,  // too many commands in a row were lost
+  kCommandNotFinite,                   // a command held NaN or Inf
+  kInstabilityDetected,                // the simulation lost its numbers
 };
 constexpr int kErrorCount = 5;
 

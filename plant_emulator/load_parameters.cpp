@@ -19,12 +19,13 @@ Parameters load(config::Section section) {
   for (int i = 0; i < kJoints; ++i) {
     if (p.initial_q[i] < kPositionMin[i] || p.initial_q[i] > kPositionMax[i])
       section.fail("initial_q_rad",
-                   "joint " + std::to_string(i + 1) + " in [" + std::to_string(kPositionMin[i]) + ", " +
-                       std::to_string(kPositionMax[i]) + "]",
+                   "joint " + std::to_string(i + 1) + " in [" + std::to_string(kPositionMin[i]) +
+                       ", " + std::to_string(kPositionMax[i]) + "]",
                    std::to_string(p.initial_q[i]));
   }
   for (config::Section& ball : section.list("balls", 1, kMaxBalls)) {
-    p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}), ball.number("radius_m", {0.005, 0.2}),
+    p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}),
+                             ball.number("radius_m", {0.005, 0.2}),
                              ball.number("mass_kg", {0.001, 10})});
   }
   section.finish();

@@ -18,13 +18,14 @@ struct ModeState {
 
 /// What happened in one cycle.
 struct Events {
-  bool command;      // a command that can be applied arrived
-  Errors errors;     // found in this cycle
-  bool stop;         // requested by a person
-  bool recover;      // requested by a person
+  bool command;   // a command that can be applied arrived
+  Errors errors;  // found in this cycle
+  bool stop;      // requested by a person
+  bool recover;   // requested by a person
 };
 
-/// A person's stop comes before everything, an error before motion, and only a person's recovery ends either.
+/// A person's stop comes before everything, an error before motion, and only a person's recovery
+/// ends either.
 constexpr ModeState next(ModeState now, Events events) noexcept {
   if (events.stop) return {Mode::kUserStopped, now.errors};
   if (now.mode == Mode::kReflex || now.mode == Mode::kUserStopped) {

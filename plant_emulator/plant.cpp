@@ -6,11 +6,13 @@
 namespace c3rt::plant {
 namespace {
 
-// The brake: the joints' own damping while it is engaged, and a spring once they rest. Ours: about critical for the
-// arm's inertia at its home pose.
-const Vector7d kBrakeDamping = (Vector7d() << 50, 50, 50, 50, 30, 25, 15).finished();         // [N m s/rad]
-const Vector7d kHoldStiffness = (Vector7d() << 600, 600, 600, 600, 250, 150, 50).finished();  // [N m/rad]
-constexpr double kRestVelocity = 0.02;                                                        // [rad/s]
+// The brake: the joints' own damping while it is engaged, and a spring once they rest. Ours: about
+// critical for the arm's inertia at its home pose.
+const Vector7d kBrakeDamping =
+    (Vector7d() << 50, 50, 50, 50, 30, 25, 15).finished();  // [N m s/rad]
+const Vector7d kHoldStiffness =
+    (Vector7d() << 600, 600, 600, 600, 250, 150, 50).finished();  // [N m/rad]
+constexpr double kRestVelocity = 0.02;                            // [rad/s]
 
 }  // namespace
 
@@ -33,7 +35,8 @@ Plant::Plant(const Parameters& parameters)
   arm_bodies_.back() = mj_name2id(model_.get(), mjOBJ_BODY, "end_effector");
   Eigen::Map<Vector7d>(data_->qpos) = parameters.initial_q;
   Eigen::Map<Vector7d>(model_->dof_damping) += kBrakeDamping;
-  mj_step1(model_.get(), data_.get());  // kept between cycles: everything that depends on position and velocity
+  mj_step1(model_.get(),
+           data_.get());  // kept between cycles: everything that depends on position and velocity
   state_.ball_count = static_cast<int>(parameters.world.balls.size());
   read();
 }
@@ -59,9 +62,11 @@ void Plant::push_ball(int index, const Eigen::Vector3d& impulse) noexcept {
 
 Errors Plant::limits_violated() const noexcept {
   Errors errors = 0;
-  if ((state_.q.array() < kPositionMin.array()).any() || (state_.q.array() > kPositionMax.array()).any())
+  if ((state_.q.array() < kPositionMin.array()).any() ||
+      (state_.q.array() > kPositionMax.array()).any())
     errors |= bit(Error::kJointPositionLimitsViolation);
-  if ((state_.dq.array().abs() > kVelocityMax.array()).any()) errors |= bit(Error::kJointVelocityViolation);
+  if ((state_.dq.array().abs() > kVelocityMax.array()).any())
+    errors |= bit(Error::kJointVelocityViolation);
   return errors;
 }
 
@@ -125,8 +130,10 @@ void Plant::step_1ms() noexcept {
 
 Vector7d Plant::command_torque() noexcept {
   const Vector7d step = Vector7d::Constant(kTorqueRateMax * kCycle);
-  const Vector7d tau =
-      command_.cwiseMin(state_.tau + step).cwiseMax(state_.tau - step).cwiseMin(kTorqueMax).cwiseMax(-kTorqueMax);
+  const Vector7d tau = command_.cwiseMin(state_.tau + step)
+                           .cwiseMax(state_.tau - step)
+                           .cwiseMin(kTorqueMax)
+                           .cwiseMax(-kTorqueMax);
   if (tau != command_) ++state_.saturated_cycles;
   return tau;
 }
@@ -146,7 +153,8 @@ Vector7d Plant::gravity_torque() noexcept {
   Vector7d tau = Vector7d::Zero();
   for (const int body : arm_bodies_) {
     mj_jacBodyCom(model_.get(), data_.get(), jacobian_.data(), nullptr, body);
-    tau.noalias() -= jacobian_.leftCols<kJoints>().transpose() * (model_->body_mass[body] * gravity);
+    tau.noalias() -=
+        jacobian_.leftCols<kJoints>().transpose() * (model_->body_mass[body] * gravity);
   }
   return tau;
 }
@@ -164,7 +172,8 @@ void Plant::read() noexcept {
   s.dq = Eigen::Map<const Vector7d>(data_->qvel);
   s.p_WE = Eigen::Map<const Eigen::Vector3d>(data_->site_xpos + 3 * site_);
   using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  s.q_WE = Eigen::Quaterniond(Eigen::Matrix3d(Eigen::Map<const Rotation>(data_->site_xmat + 9 * site_)));
+  s.q_WE =
+      Eigen::Quaterniond(Eigen::Matrix3d(Eigen::Map<const Rotation>(data_->site_xmat + 9 * site_)));
   s.mode = mode_.mode;
   s.errors = mode_.errors;
   s.command_success_rate =
@@ -176,9 +185,11 @@ void Plant::read() noexcept {
     ball.p_WB = Eigen::Vector3d(q[0], q[1], q[2]);
     ball.q_WB = Eigen::Quaterniond(q[3], q[4], q[5], q[6]);
     ball.v_WB = Eigen::Vector3d(v[0], v[1], v[2]);
-    ball.omega = ball.q_WB * Eigen::Vector3d(v[3], v[4], v[5]);  // MuJoCo stores it in the ball's axes
+    ball.omega =
+        ball.q_WB * Eigen::Vector3d(v[3], v[4], v[5]);  // MuJoCo stores it in the ball's axes
   }
-  // MuJoCo answers numbers that are not finite by resetting the world; the next cycle makes that an error
+  // MuJoCo answers numbers that are not finite by resetting the world; the next cycle makes that an
+  // error
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
     if (data_->warning[warning].number > 0) {
       data_->warning[warning].number = 0;

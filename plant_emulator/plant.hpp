@@ -15,8 +15,10 @@ namespace c3rt::plant {
 /// [rad], [rad/s], [N m]: panda.urdf
 inline const Vector7d kPositionMin =
     (Vector7d() << -2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973).finished();
-inline const Vector7d kPositionMax = (Vector7d() << 2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973).finished();
-inline const Vector7d kVelocityMax = (Vector7d() << 2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61).finished();
+inline const Vector7d kPositionMax =
+    (Vector7d() << 2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973).finished();
+inline const Vector7d kVelocityMax =
+    (Vector7d() << 2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61).finished();
 inline const Vector7d kTorqueMax = (Vector7d() << 87, 87, 87, 87, 12, 12, 12).finished();
 constexpr double kTorqueRateMax = 1000.0;  // [N m/s]
 constexpr double kCycle = 1e-3;            // [s]
@@ -24,23 +26,24 @@ constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
 constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 
 struct BallState {
-  Eigen::Vector3d p_WB;   // [m]
+  Eigen::Vector3d p_WB;  // [m]
   Eigen::Quaterniond q_WB;
   Eigen::Vector3d v_WB;   // [m/s]
   Eigen::Vector3d omega;  // in W [rad/s]
 };
 
 struct State {
-  double time;   // simulated [s]
-  Vector7d q;    // [rad]
-  Vector7d dq;   // [rad/s]
-  Vector7d tau;  // applied in the last cycle, after saturation, without gravity [N m]
+  double time;           // simulated [s]
+  Vector7d q;            // [rad]
+  Vector7d dq;           // [rad/s]
+  Vector7d tau;          // applied in the last cycle, after saturation, without gravity [N m]
   Eigen::Vector3d p_WE;  // of the centre of the end effector's sphere [m]
   Eigen::Quaterniond q_WE;
   Mode mode;
   Errors errors;
-  double command_success_rate;     // of the last kSuccessWindow cycles in Mode::kMove; 0 in other modes
-  std::uint64_t command_seq;       // of the newest command applied, 0 for none
+  double
+      command_success_rate;   // of the last kSuccessWindow cycles in Mode::kMove; 0 in other modes
+  std::uint64_t command_seq;  // of the newest command applied, 0 for none
   std::int64_t command_state_ns;   // the state stamp that it answered
   std::uint64_t saturated_cycles;  // cycles in which torque or torque rate was cut
   std::uint64_t lost_commands;     // cycles in Mode::kMove without a new command
@@ -53,15 +56,17 @@ class Plant {
   /// @throws what build_model throws; std::invalid_argument if the step does not divide a cycle
   explicit Plant(const Parameters& parameters);
 
-  /// Torque for the next cycle and, until it is replaced, those after it. The sequence number of the last one is no new
-  /// command. Anything not finite is refused and stops the robot. RT: no heap, no throw.
+  /// Torque for the next cycle and, until it is replaced, those after it. The sequence number of
+  /// the last one is no new command. Anything not finite is refused and stops the robot. RT: no
+  /// heap, no throw.
   /// @param tau without gravity: the robot adds the torque that carries its own weight [N m]
   /// @param state_ns stamp of the state that the command answers
   void set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t state_ns) noexcept;
   void request_stop() noexcept { events_.stop = true; }
   void request_recovery() noexcept { events_.recover = true; }
 
-  /// One cycle of the robot: judges command and limits, then moves the world by kCycle. RT: no heap, no throw.
+  /// One cycle of the robot: judges command and limits, then moves the world by kCycle. RT: no
+  /// heap, no throw.
   void step_1ms() noexcept;
 
   /// At the end of the last cycle.
@@ -100,7 +105,7 @@ class Plant {
   std::int64_t newest_state_ns_ = 0;
   int lost_in_a_row_ = 0;
   std::bitset<kSuccessWindow> received_;
-  int window_ = 0;    // cycles counted in received_, at most kSuccessWindow
+  int window_ = 0;  // cycles counted in received_, at most kSuccessWindow
   int window_at_ = 0;
   Vector7d hold_q_;
   bool holding_ = true;  // at rest; false while the brake still stops the arm

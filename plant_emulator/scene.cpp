@@ -18,45 +18,70 @@ struct Inertia {
   double xx, xy, xz, yy, yz, zz;
 };
 
-/// One moving link: where its joint sits in the parent, how the parent's frame turns about x, mass properties.
+/// One moving link: where its joint sits in the parent, how the parent's frame turns about x, mass
+/// properties.
 struct Link {
   std::array<double, 3> origin;  // of the joint in the parent's frame [m]
-  int quarter_turns_x;           // rotation of the joint's frame about the parent's x, in quarter turns
-  double mass;                   // [kg]
+  int quarter_turns_x;  // rotation of the joint's frame about the parent's x, in quarter turns
+  double mass;          // [kg]
   std::array<double, 3> center;  // of mass, in the link's frame [m]
   Inertia inertia;               // about the centre of mass, in the link's axes [kg m^2]
 };
 
-// Source: panda.urdf of example-robot-data in Pinocchio's source release 3.4.0; the test compares both.
+// Source: panda.urdf of example-robot-data in Pinocchio's source release 3.4.0; the test compares
+// both.
 constexpr std::array<Link, kJoints> kLinks{{
-    {{0, 0, 0.333}, 0, 4.970684, {0.003875, 0.002081, -0.04762},
+    {{0, 0, 0.333},
+     0,
+     4.970684,
+     {0.003875, 0.002081, -0.04762},
      {0.70337, -0.000139, 0.006772, 0.70661, 0.019169, 0.009117}},
-    {{0, 0, 0}, -1, 0.646926, {-0.003141, -0.02872, 0.003495},
+    {{0, 0, 0},
+     -1,
+     0.646926,
+     {-0.003141, -0.02872, 0.003495},
      {0.007962, -0.003925, 0.010254, 0.02811, 0.000704, 0.025995}},
-    {{0, -0.316, 0}, 1, 3.228604, {0.027518, 0.039252, -0.066502},
+    {{0, -0.316, 0},
+     1,
+     3.228604,
+     {0.027518, 0.039252, -0.066502},
      {0.037242, -0.004761, -0.011396, 0.036155, -0.012805, 0.01083}},
-    {{0.0825, 0, 0}, 1, 3.587895, {-0.05317, 0.104419, 0.027454},
+    {{0.0825, 0, 0},
+     1,
+     3.587895,
+     {-0.05317, 0.104419, 0.027454},
      {0.025853, 0.007796, -0.001332, 0.019552, 0.008641, 0.028323}},
-    {{-0.0825, 0.384, 0}, -1, 1.225946, {-0.011953, 0.041065, -0.038437},
+    {{-0.0825, 0.384, 0},
+     -1,
+     1.225946,
+     {-0.011953, 0.041065, -0.038437},
      {0.035549, -0.002117, -0.004037, 0.029474, 0.000229, 0.008627}},
-    {{0, 0, 0}, 1, 1.666555, {0.060149, -0.014117, -0.010517},
+    {{0, 0, 0},
+     1,
+     1.666555,
+     {0.060149, -0.014117, -0.010517},
      {0.001964, 0.000109, -0.001158, 0.004354, 0.000341, 0.005433}},
-    {{0.088, 0, 0}, 1, 0.735522, {0.010517, -0.004252, 0.061597},
+    {{0.088, 0, 0},
+     1,
+     0.735522,
+     {0.010517, -0.004252, 0.061597},
      {0.012516, -0.000428, -0.001196, 0.010027, -0.000741, 0.004815}},
 }};
 constexpr double kJointDamping = 0.003;  // same source [N m s/rad]
 
-// The tool on the flange (link 8): disc, rod and sphere as one body. Source: EE.json of the paper's robot.
-constexpr double kFlangeOffset = 0.107;     // along z of link 7 [m]
-constexpr double kToolMass = 0.269;         // [kg]
-constexpr double kToolCenter = 0.056;       // of mass, along z of the flange [m]
+// The tool on the flange (link 8): disc, rod and sphere as one body. Source: EE.json of the paper's
+// robot.
+constexpr double kFlangeOffset = 0.107;  // along z of link 7 [m]
+constexpr double kToolMass = 0.269;      // [kg]
+constexpr double kToolCenter = 0.056;    // of mass, along z of the flange [m]
 constexpr Inertia kToolInertia{1.5176e-4, 0, 0, 1.5176e-4, 0, 4.9476e-5};
-constexpr double kSphereCenter = 0.1265;    // along z of the flange [m]
+constexpr double kSphereCenter = 0.1265;  // along z of the flange [m]
 
 // Contacts as stiff as the step allows: 2 ms lets a ball sink 0.04 mm under its weight.
 constexpr const char* kContactStiffness = R"(solref="0.002 1" solimp="0.9 0.95 0.001 0.5 2")";
 
-// The arm's looks: capsules along its links, {link (0 = base), from, to, radius} in the link's frame [m].
+// The arm's looks: capsules along its links, {link (0 = base), from, to, radius} in the link's
+// frame [m].
 struct Capsule {
   int link;
   std::array<double, 3> from, to;
@@ -89,7 +114,9 @@ std::string join(const T& numbers) {
   for (const double number : numbers) text << (text.tellp() > 0 ? " " : "") << number;
   return text.str();
 }
-std::string join(const Eigen::Vector3d& v) { return join(std::array<double, 3>{v.x(), v.y(), v.z()}); }
+std::string join(const Eigen::Vector3d& v) {
+  return join(std::array<double, 3>{v.x(), v.y(), v.z()});
+}
 std::string join(const Eigen::Quaterniond& q) {
   return join(std::array<double, 4>{q.w(), q.x(), q.y(), q.z()});
 }
@@ -122,37 +149,44 @@ std::string mesh(int link, const SceneParameters& parameters) {
 std::string link(int index, const SceneParameters& parameters) {
   const Link& l = kLinks.at(static_cast<std::size_t>(index));
   const std::string number = std::to_string(index + 1);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(l.quarter_turns_x * M_PI_2, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond turn(
+      Eigen::AngleAxisd(l.quarter_turns_x * M_PI_2, Eigen::Vector3d::UnitX()));
   // the inertia here is a placeholder that the compiler accepts; write_inertia() puts the true one
-  std::string text = "<body name=\"link" + number + "\" pos=\"" + join(l.origin) + "\" quat=\"" + join(turn) +
-                     "\">\n<inertial pos=\"" + join(l.center) + "\" mass=\"" + join(l.mass) +
-                     "\" quat=\"0.8 0.6 0 0\" diaginertia=\"0.01 0.01 0.01\"/>\n<joint name=\"joint" + number +
-                     "\" type=\"hinge\" axis=\"0 0 1\" damping=\"" + join(kJointDamping) + "\"/>\n" +
-                     capsules(index + 1) + mesh(index + 1, parameters);
+  std::string text =
+      "<body name=\"link" + number + "\" pos=\"" + join(l.origin) + "\" quat=\"" + join(turn) +
+      "\">\n<inertial pos=\"" + join(l.center) + "\" mass=\"" + join(l.mass) +
+      "\" quat=\"0.8 0.6 0 0\" diaginertia=\"0.01 0.01 0.01\"/>\n<joint name=\"joint" + number +
+      "\" type=\"hinge\" axis=\"0 0 1\" damping=\"" + join(kJointDamping) + "\"/>\n" +
+      capsules(index + 1) + mesh(index + 1, parameters);
   if (index + 1 < kJoints) {
     text += link(index + 1, parameters);
   } else {
     text += R"(<body name="end_effector" pos="0 0 )" + join(kFlangeOffset) + R"(">
-<inertial pos="0 0 )" + join(kToolCenter) + R"(" mass=")" + join(kToolMass) +
+<inertial pos="0 0 )" +
+            join(kToolCenter) + R"(" mass=")" + join(kToolMass) +
             R"(" quat="0.8 0.6 0 0" diaginertia="0.01 0.01 0.01"/>
 <geom class="tool" type="cylinder" fromto="0 0 0 0 0 0.0096" size="0.0315"/>
 <geom class="tool" type="cylinder" fromto="0 0 0.0096 0 0 0.1112" size="0.0127"/>
-<geom class="tool" name="end_effector" type="sphere" pos="0 0 )" + join(kSphereCenter) + R"(" size=")" +
-            join(kEndEffectorRadius) + R"("/>
-<site name="end_effector" pos="0 0 )" + join(kSphereCenter) + R"(" size="0.001" group="5"/>
+<geom class="tool" name="end_effector" type="sphere" pos="0 0 )" +
+            join(kSphereCenter) + R"(" size=")" + join(kEndEffectorRadius) + R"("/>
+<site name="end_effector" pos="0 0 )" +
+            join(kSphereCenter) + R"(" size="0.001" group="5"/>
 </body>
 )";
   }
   return text + "</body>\n";
 }
 
-std::string contact_pair(const std::string& a, const std::string& b, double friction, double rolling) {
-  // condim 3: sliding friction only, so a ball rolls freely; 6 adds torsional and rolling resistance
+std::string contact_pair(const std::string& a, const std::string& b, double friction,
+                         double rolling) {
+  // condim 3: sliding friction only, so a ball rolls freely; 6 adds torsional and rolling
+  // resistance
   const bool resists = rolling > 0;
   const std::string f = join(friction);
   const std::string r = join(rolling);
-  return "<pair geom1=\"" + a + "\" geom2=\"" + b + "\" condim=\"" + (resists ? "6" : "3") + "\" friction=\"" + f +
-         " " + f + (resists ? " " + r + " " + r + " " + r : "") + "\" " + kContactStiffness + "/>\n";
+  return "<pair geom1=\"" + a + "\" geom2=\"" + b + "\" condim=\"" + (resists ? "6" : "3") +
+         "\" friction=\"" + f + " " + f + (resists ? " " + r + " " + r + " " + r : "") + "\" " +
+         kContactStiffness + "/>\n";
 }
 
 std::string xml(const SceneParameters& parameters) {
@@ -161,13 +195,17 @@ std::string xml(const SceneParameters& parameters) {
   std::string text = R"(<mujoco model="c3rt">
 <compiler angle="radian" coordinate="local" inertiafromgeom="false" balanceinertia="false" meshdir=")" +
                      parameters.mesh_directory + R"("/>
-<option timestep=")" + join(world.step) + R"(" gravity="0 0 -9.81" integrator="Euler" cone="elliptic" impratio="10"
+<option timestep=")" +
+                     join(world.step) +
+                     R"(" gravity="0 0 -9.81" integrator="Euler" cone="elliptic" impratio="10"
   solver="Newton" iterations="50" tolerance="1e-12"/>
 <statistic extent="1" center="0.5 0 0.2"/>
 <visual>
-  <global offwidth=")" + std::to_string(parameters.offscreen_width) + R"(" offheight=")" +
+  <global offwidth=")" +
+                     std::to_string(parameters.offscreen_width) + R"(" offheight=")" +
                      std::to_string(parameters.offscreen_height) + R"("/>
-  <quality shadowsize="0" offsamples=")" + std::to_string(parameters.offscreen_samples) + R"("/>
+  <quality shadowsize="0" offsamples=")" +
+                     std::to_string(parameters.offscreen_samples) + R"("/>
   <headlight active="0"/>
   <map znear="0.02" zfar="10"/>
 </visual>
@@ -180,19 +218,23 @@ std::string xml(const SceneParameters& parameters) {
 )";
   if (meshes) {
     text += "<asset>\n";
-    for (int i = 0; i <= kJoints; ++i) text += "<mesh file=\"link" + std::to_string(i) + ".stl\"/>\n";
+    for (int i = 0; i <= kJoints; ++i)
+      text += "<mesh file=\"link" + std::to_string(i) + ".stl\"/>\n";
     text += "</asset>\n";
   }
   text += R"(<worldbody>
-<light directional="true" castshadow="false" pos="0.5 0 3" dir="0.2 0.3 -1" ambient="0.35 0.35 0.35"
-  diffuse="0.55 0.55 0.55" specular="0 0 0"/>
+<light directional="true" castshadow="false" pos="0.5 0 3" dir="0.2 0.3 -1" ambient="0.45 0.45 0.45"
+  diffuse="0.40 0.40 0.40" specular="0 0 0"/>
+<light directional="true" castshadow="false" pos="3 0 1" dir="-1 -0.4 -0.25" ambient="0 0 0"
+  diffuse="0.25 0.25 0.25" specular="0 0 0"/>
 )";
   text += "<body name=\"table\" pos=\"" + join(table_center(world)) + "\" quat=\"" +
           join(table_orientation(world)) +
-          "\">\n<geom name=\"table\" type=\"plane\" size=\"1.2 1.2 0.1\" rgba=\"0.80 0.81 0.82 1\"/>\n</body>\n";
+          "\">\n<geom name=\"table\" type=\"plane\" size=\"1.2 1.2 0.1\" rgba=\"0.86 0.87 0.88 "
+          "1\"/>\n</body>\n";
   text += capsules(0) + mesh(0, parameters) + link(0, parameters);
 
-  constexpr std::array<const char*, kMaxBalls> kColours{"0.90 0.33 0.08 1", "0.13 0.45 0.75 1",
+  constexpr std::array<const char*, kMaxBalls> kColours{"1.00 0.36 0.06 1", "0.13 0.45 0.75 1",
                                                         "0.15 0.60 0.30 1", "0.55 0.25 0.60 1"};
   std::string pairs;
   for (std::size_t i = 0; i < world.balls.size(); ++i) {
@@ -200,9 +242,11 @@ std::string xml(const SceneParameters& parameters) {
     const std::string name = "ball" + std::to_string(i);
     const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
     text += "<body name=\"" + name + "\" pos=\"" + join(ball_start(world, static_cast<int>(i))) +
-            "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" + join(ball.mass) +
-            "\" diaginertia=\"" + join(std::array<double, 3>{inertia, inertia, inertia}) + "\"/>\n<geom name=\"" + name +
-            "\" type=\"sphere\" size=\"" + join(ball.radius) + "\" rgba=\"" + kColours.at(i) + "\"/>\n</body>\n";
+            "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" +
+            join(ball.mass) + "\" diaginertia=\"" +
+            join(std::array<double, 3>{inertia, inertia, inertia}) + "\"/>\n<geom name=\"" + name +
+            "\" type=\"sphere\" size=\"" + join(ball.radius) + "\" rgba=\"" + kColours.at(i) +
+            "\"/>\n</body>\n";
     pairs += contact_pair("table", name, world.friction.ball_table, world.rolling_friction);
     pairs += contact_pair("end_effector", name, world.friction.ball_end_effector, 0);
     for (std::size_t j = 0; j < i; ++j)
@@ -212,11 +256,13 @@ std::string xml(const SceneParameters& parameters) {
 
   for (const CameraPose& camera : parameters.cameras)
     text += "<camera name=\"" + camera.name + "\" pos=\"" + join(camera.p_WC) + "\" quat=\"" +
-            join(camera.q_WC.normalized()) + "\" fovy=\"" + join(camera.fovy * 180.0 / M_PI) + "\"/>\n";
+            join(camera.q_WC.normalized()) + "\" fovy=\"" + join(camera.fovy * 180.0 / M_PI) +
+            "\"/>\n";
   return text + "</worldbody>\n<contact>\n" + pairs + "</contact>\n</mujoco>\n";
 }
 
-/// MuJoCo's compiler refuses some inertias of the URDF, so they are written behind its back, in principal axes.
+/// MuJoCo's compiler refuses some inertias of the URDF, so they are written behind its back, in
+/// principal axes.
 void write_inertia(mjModel& model, const std::string& name, const Inertia& i) {
   Eigen::Matrix3d I;
   I << i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz;
@@ -233,15 +279,19 @@ void check(const SceneParameters& p) {
   const World& w = p.world;
   require(w.step > 0 && w.step <= 1e-3, "step must be in (0, 0.001] s");
   require(!w.balls.empty() && w.balls.size() <= kMaxBalls, "1 to 4 balls");
-  require(w.table_tilt.allFinite() && w.table_tilt.cwiseAbs().maxCoeff() < 0.5, "table_tilt must be below 0.5 rad");
+  require(w.table_tilt.allFinite() && w.table_tilt.cwiseAbs().maxCoeff() < 0.5,
+          "table_tilt must be below 0.5 rad");
   require(std::isfinite(w.table_height), "table_height must be finite");
   for (const double mu : {w.friction.ball_table, w.friction.ball_end_effector, w.friction.ball_ball,
                           w.friction.end_effector_table})
     require(mu > 0 && mu < 10, "friction must be in (0, 10)");
-  require(w.rolling_friction >= 0 && w.rolling_friction < 0.01, "rolling_friction must be in [0, 0.01) m");
+  require(w.rolling_friction >= 0 && w.rolling_friction < 0.01,
+          "rolling_friction must be in [0, 0.01) m");
   for (const BallParameters& b : w.balls)
-    require(b.radius > 0 && b.mass > 0 && b.position.allFinite(), "a ball needs a radius, a mass and a position");
-  require(p.offscreen_width > 0 && p.offscreen_height > 0 && p.offscreen_samples >= 0, "offscreen size must be > 0");
+    require(b.radius > 0 && b.mass > 0 && b.position.allFinite(),
+            "a ball needs a radius, a mass and a position");
+  require(p.offscreen_width > 0 && p.offscreen_height > 0 && p.offscreen_samples >= 0,
+          "offscreen size must be > 0");
 }
 
 }  // namespace
@@ -271,10 +321,12 @@ Model build_model(const SceneParameters& parameters) {
   std::array<char, 1000> error{};
   Model model(mj_loadXML(kName, files.get(), error.data(), static_cast<int>(error.size())));
   mj_deleteVFS(files.get());
-  if (!model) throw std::runtime_error(std::string("scene: MuJoCo refuses the model: ") + error.data());
+  if (!model)
+    throw std::runtime_error(std::string("scene: MuJoCo refuses the model: ") + error.data());
 
   for (int i = 0; i < kJoints; ++i)
-    write_inertia(*model, "link" + std::to_string(i + 1), kLinks.at(static_cast<std::size_t>(i)).inertia);
+    write_inertia(*model, "link" + std::to_string(i + 1),
+                  kLinks.at(static_cast<std::size_t>(i)).inertia);
   write_inertia(*model, "end_effector", kToolInertia);
   const Data data(mj_makeData(model.get()));
   mj_setConst(model.get(), data.get());

@@ -14,7 +14,8 @@ constexpr int kJoints = 7;
 constexpr int kMaxBalls = 4;
 constexpr double kEndEffectorRadius = 0.0195;  // [m]
 
-/// Visual groups of the geoms (mjvOption.geomgroup). Render kGroupWorld and one of the arm's two looks.
+/// Visual groups of the geoms (mjvOption.geomgroup). Render kGroupWorld and one of the arm's two
+/// looks.
 enum GeomGroup {
   kGroupWorld = 0,          // table, balls, end effector
   kGroupArmPrimitives = 1,  // the arm as capsules: cheap
@@ -36,8 +37,9 @@ struct Friction {
 };
 
 struct World {
-  double table_height;         // z of the table's surface below kTablePivot [m]
-  Eigen::Vector2d table_tilt;  // about x, then about the tilted y [rad]; the surface turns about kTablePivot
+  double table_height;  // z of the table's surface below kTablePivot [m]
+  Eigen::Vector2d
+      table_tilt;  // about x, then about the tilted y [rad]; the surface turns about kTablePivot
   Friction friction;
   double rolling_friction;  // lever of the rolling resistance, 0 for none [m]
   double step;              // of the integration [s]
@@ -47,10 +49,11 @@ struct World {
 /// Point of the ground plan about which the table tilts: below the arm's home pose [m].
 inline const Eigen::Vector2d kTablePivot{0.55, 0.0};
 
-/// A pinhole camera without distortion. Axes of C as in OpenGL and MuJoCo: x right, y up, it looks along -z.
+/// A pinhole camera without distortion. Axes of C as in OpenGL and MuJoCo: x right, y up, it looks
+/// along -z.
 struct CameraPose {
   std::string name;
-  Eigen::Vector3d p_WC;     // [m]
+  Eigen::Vector3d p_WC;  // [m]
   Eigen::Quaterniond q_WC;
   double fovy;  // vertical field of view [rad]
 };
@@ -58,8 +61,8 @@ struct CameraPose {
 struct SceneParameters {
   World world;
   std::vector<CameraPose> cameras;
-  int offscreen_width;   // [px]; its size costs render time, so no larger than needed
-  int offscreen_height;  // [px]
+  int offscreen_width;         // [px]; its size costs render time, so no larger than needed
+  int offscreen_height;        // [px]
   int offscreen_samples;       // multisampling, 0 for none
   std::string mesh_directory;  // folder of link0.stl .. link7.stl; empty: primitives only
 };
@@ -73,9 +76,11 @@ struct DataDeleter {
 using Model = std::unique_ptr<mjModel, ModelDeleter>;
 using Data = std::unique_ptr<mjData, DataDeleter>;
 
-/// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then one free joint per ball), bodies link1..link7,
-/// end_effector, table, ball0.., site end_effector at the centre of its sphere, cameras as given.
-/// @throws std::invalid_argument for parameters out of range, std::runtime_error with MuJoCo's words otherwise
+/// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then one free joint per ball), bodies
+/// link1..link7, end_effector, table, ball0.., site end_effector at the centre of its sphere,
+/// cameras as given.
+/// @throws std::invalid_argument for parameters out of range, std::runtime_error with MuJoCo's
+/// words otherwise
 Model build_model(const SceneParameters& parameters);
 
 /// Centre of ball `index` when it touches the table at its start position. [m]

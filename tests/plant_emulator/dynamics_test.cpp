@@ -4,6 +4,7 @@
 #include <random>
 #include <string>
 
+#include <catch2/catch.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
@@ -12,8 +13,6 @@
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
 #include <pinocchio/parsers/urdf.hpp>
-
-#include <catch2/catch.hpp>
 
 #include "plant_emulator/plant.hpp"
 #include "plant_emulator/scene.hpp"
@@ -38,7 +37,9 @@ pinocchio::Model reference_arm() {
   const Eigen::Vector3d inertia(1.5176e-4, 1.5176e-4, 4.9476e-5);
   const pinocchio::SE3 flange(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 0.107));
   model.appendBodyToJoint(
-      last, pinocchio::Inertia(0.269, Eigen::Vector3d(0, 0, 0.056), inertia.asDiagonal().toDenseMatrix()), flange);
+      last,
+      pinocchio::Inertia(0.269, Eigen::Vector3d(0, 0, 0.056), inertia.asDiagonal().toDenseMatrix()),
+      flange);
   const pinocchio::SE3 sphere(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 0.107 + 0.1265));
   model.addFrame(pinocchio::Frame("sphere", last, 0, sphere, pinocchio::OP_FRAME));
   return model;
@@ -82,12 +83,15 @@ TEST_CASE("the arm's mass matrix, bias forces, tool pose and Jacobian are Pinocc
                                     pinocchio::LOCAL_WORLD_ALIGNED, reference_J);
     pinocchio::framesForwardKinematics(reference, reference_data, Eigen::VectorXd(q));
     const pinocchio::SE3& X_WE = reference_data.oMf[sphere];
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_WE(data->site_xmat + 9 * site);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_WE(data->site_xmat +
+                                                                              9 * site);
     const Eigen::Map<const Eigen::Vector3d> p_WE(data->site_xpos + 3 * site);
 
-    worst_mass = std::max(worst_mass, (mass.topLeftCorner<kJoints, kJoints>() - reference_mass).cwiseAbs().maxCoeff());
-    worst_bias = std::max(worst_bias,
-                          (Eigen::Map<const Vector7d>(data->qfrc_bias) - bias).cwiseAbs().maxCoeff());
+    worst_mass =
+        std::max(worst_mass,
+                 (mass.topLeftCorner<kJoints, kJoints>() - reference_mass).cwiseAbs().maxCoeff());
+    worst_bias = std::max(
+        worst_bias, (Eigen::Map<const Vector7d>(data->qfrc_bias) - bias).cwiseAbs().maxCoeff());
     worst_pose = std::max({worst_pose, (p_WE - X_WE.translation()).cwiseAbs().maxCoeff(),
                            (R_WE - X_WE.rotation()).cwiseAbs().maxCoeff()});
     worst_jacobian = std::max(worst_jacobian, (J - reference_J).cwiseAbs().maxCoeff());

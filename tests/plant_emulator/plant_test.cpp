@@ -51,10 +51,13 @@ TEST_CASE("a resting ball sinks less than 0.1 mm into the table") {
   CHECK((ball.p_WB.head<2>() - Eigen::Vector2d(0.55, 0.1)).norm() < 1e-6);
 }
 
-TEST_CASE("a ball pushed to 0.1 m/s keeps more than 90 % of its speed for 2 s and rolls without slipping") {
+TEST_CASE(
+    "a ball pushed to 0.1 m/s keeps more than 90 % of its speed for 2 s and rolls without "
+    "slipping") {
   Plant plant(test_parameters());
   run(plant, 200);
-  // an impulse through the centre: friction turns part of it into spin, rolling starts at 5/7 of the speed
+  // an impulse through the centre: friction turns part of it into spin, rolling starts at 5/7 of
+  // the speed
   const double impulse = 0.132 * 0.1 * 7.0 / 5.0;
   plant.push_ball(0, {0, -impulse, 0});
   run(plant, 200);
@@ -97,8 +100,10 @@ TEST_CASE("on a tilted table a ball accelerates as a rolling solid sphere does")
 
 TEST_CASE("up to four balls start where the scenario puts them") {
   Parameters parameters = test_parameters();
-  parameters.world.balls = {{{0.5, 0.1}, 0.0315, 0.132}, {{0.6, 0.1}, 0.02, 0.05},
-                            {{0.5, -0.1}, 0.0315, 0.132}, {{0.6, -0.1}, 0.04, 0.2}};
+  parameters.world.balls = {{{0.5, 0.1}, 0.0315, 0.132},
+                            {{0.6, 0.1}, 0.02, 0.05},
+                            {{0.5, -0.1}, 0.0315, 0.132},
+                            {{0.6, -0.1}, 0.04, 0.2}};
   Plant plant(parameters);
   run(plant, 500);
   REQUIRE(plant.state().ball_count == 4);
@@ -148,7 +153,8 @@ TEST_CASE("torque is cut to its limits and to 1000 N m/s") {
   Vector7d up = Vector7d::Zero();
   up[0] = 1e4;
   for (std::uint64_t i = 1; i <= 100; ++i) {
-    up[0] = -up[0];  // alternating: the rate limit keeps it near zero, so the arm stays in its limits
+    up[0] =
+        -up[0];  // alternating: the rate limit keeps it near zero, so the arm stays in its limits
     strong.set_command(up, i, 0);
     strong.step_1ms();
     CHECK(std::abs(strong.state().tau[0]) <= 1.0 + 1e-9);
@@ -182,7 +188,8 @@ TEST_CASE("a repeated sequence number is not a new command") {
   CHECK(plant.state().errors == bit(Error::kCommunicationConstraintsViolation));
 }
 
-TEST_CASE("after a reflex the robot brakes to rest, and recovery with a new command moves it again") {
+TEST_CASE(
+    "after a reflex the robot brakes to rest, and recovery with a new command moves it again") {
   Plant plant(test_parameters());
   const Vector7d push = (Vector7d() << 2, 0, 0, 0, 0, 0, 0).finished();
   for (std::uint64_t i = 1; i <= 60; ++i) {
@@ -210,7 +217,8 @@ TEST_CASE("after a reflex the robot brakes to rest, and recovery with a new comm
 }
 
 TEST_CASE("a command that is not finite is refused with its own flag") {
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Plant plant(test_parameters());
     Client client;
     for (int i = 0; i < 10; ++i) client.step(plant);
@@ -287,9 +295,12 @@ TEST_CASE("the same commands give the same bits") {
     client_b.step(b);
   }
   REQUIRE(a.state().balls[0].v_WB.norm() > 0.01);
-  const auto bytes = [](const mjModel& m) { return static_cast<std::size_t>(m.nq) * sizeof(double); };
+  const auto bytes = [](const mjModel& m) {
+    return static_cast<std::size_t>(m.nq) * sizeof(double);
+  };
   CHECK(std::memcmp(a.data().qpos, b.data().qpos, bytes(a.model())) == 0);
-  CHECK(std::memcmp(a.data().qvel, b.data().qvel, static_cast<std::size_t>(a.model().nv) * sizeof(double)) == 0);
+  CHECK(std::memcmp(a.data().qvel, b.data().qvel,
+                    static_cast<std::size_t>(a.model().nv) * sizeof(double)) == 0);
 }
 
 TEST_CASE("mode table") {
@@ -321,7 +332,8 @@ TEST_CASE("mode table") {
   for (const Row& row : rows) {
     const ModeState before{row.from, row.from == Mode::kReflex ? e : 0};
     const ModeState after = next(before, row.events);
-    CAPTURE(static_cast<int>(row.from), row.events.command, row.events.errors, row.events.stop, row.events.recover);
+    CAPTURE(static_cast<int>(row.from), row.events.command, row.events.errors, row.events.stop,
+            row.events.recover);
     CHECK(after.mode == row.to);
     CHECK(after.errors == row.errors);
   }
