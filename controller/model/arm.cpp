@@ -1,0 +1,99 @@
+#include "controller/model/arm.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <pinocchio/parsers/urdf.hpp>
+
+#include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/frames.hpp>
+#include <pinocchio/algorithm/jacobian.hpp>
+#include <pinocchio/algorithm/rnea.hpp>
+#include <pinocchio/multibody/data.hpp>
+#include <pinocchio/multibody/model.hpp>
+#include <urdf_parser/urdf_parser.h>
+
+namespace c3rt::model {
+
+namespace {
+
+constexpr char kFlange[] = "panda_link8";
+constexpr int kJoints = 7;
+
+pinocchio::Model load(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw ArmError("robot model not found: " + path +
+                   " (run ./c3rt setup, or set C3RT_PANDA_URDF to the Panda's URDF)");
+  }
+  const urdf::ModelInterfaceSharedPtr tree = urdf::parseURDFFile(path);
+  if (!tree) throw ArmError(path + ": not a URDF");
+  urdf::LinkSharedPtr flange;
+  tree->getLink(kFlange, flange);
+  if (!flange) throw ArmError(path + ": no link " + kFlange);
+  // the gripper is not on the robot: neither its joints nor its inertia may stay
+  flange->child_links.clear();
+  flange->child_joints.clear();
+
+  pinocchio::Model model;
+  pinocchio::urdf::buildModel(tree, model);
+  if (model.nq != kJoints || model.nv != kJoints) {
+    throw ArmError(path + ": expected 7 joints before " + kFlange + ", got " + std::to_string(model.nv));
+  }
+  const pinocchio::Frame& flange_frame = model.frames[model.getFrameId(kFlange)];
+  const Eigen::Vector3d inertia(EndEffector::kInertiaXX, EndEffector::kInertiaXX, EndEffector::kInertiaZZ);
+  const pinocchio::Inertia end_effector(EndEffector::kMass, Eigen::Vector3d(0, 0, EndEffector::kCenterOfMassZ),
+                                        inertia.asDiagonal().toDenseMatrix());
+  model.appendBodyToJoint(flange_frame.parentJoint, end_effector, flange_frame.placement);
+  const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, EndEffector::kSphereCenterZ));
+  model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint, flange_frame.placement * X_flange_E,
+                                  pinocchio::OP_FRAME));
+  return model;
+}
+
+}  // namespace
+
+struct Arm::Workspace {
+  explicit Workspace(pinocchio::Model loaded)
+      : model(std::move(loaded)), data(model), E(model.getFrameId("E")), q(kJoints), dq(kJoints), J(6, kJoints) {
+    J.setZero();
+  }
+  pinocchio::Model model;
+  pinocchio::Data data;
+  pinocchio::FrameIndex E;
+  Eigen::VectorXd q, dq;
+  pinocchio::Data::Matrix6x J;
+};
+
+Arm::Arm(const std::string& urdf_path) : workspace_(std::make_unique<Workspace>(load(urdf_path))) {}
+Arm::Arm(Arm&&) noexcept = default;
+Arm& Arm::operator=(Arm&&) noexcept = default;
+Arm::~Arm() = default;
+
+void Arm::update(const Vector7d& q, const Vector7d& dq, ArmState& out) noexcept {
+  auto& [model, data, E, q_, dq_, J] = *workspace_;
+  q_ = q;
+  dq_ = dq;
+
+  pinocchio::computeJointJacobians(model, data, q_);
+  const pinocchio::SE3& X_WE = pinocchio::updateFramePlacement(model, data, E);
+  out.X_WE.linear() = X_WE.rotation();
+  out.X_WE.translation() = X_WE.translation();
+  out.X_WE.makeAffine();
+  pinocchio::getFrameJacobian(model, data, E, pinocchio::LOCAL_WORLD_ALIGNED, J);
+  out.J_WE = J;
+  out.V_WE.noalias() = out.J_WE * dq;
+
+  pinocchio::crba(model, data, q_);  // fills the upper triangle
+  out.M = data.M;
+  out.M.triangularView<Eigen::StrictlyLower>() = data.M.transpose();
+
+  out.gravity = pinocchio::computeGeneralizedGravity(model, data, q_);
+  out.coriolis = pinocchio::nonLinearEffects(model, data, q_, dq_) - out.gravity;
+}
+
+std::string panda_urdf_path() {
+  const char* chosen = std::getenv("C3RT_PANDA_URDF");
+  return chosen != nullptr && *chosen != '\0' ? chosen : C3RT_PANDA_URDF_DEFAULT;
+}
+
+}  // namespace c3rt::model
