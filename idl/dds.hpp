@@ -3,8 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <deque>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -50,10 +48,12 @@ struct PeerProblem {
 };
 
 class ReaderBase;
+class WriterBase;
 
-/// One DDS participant and the session that its samples belong to.
+/// One DDS participant and the session that its samples belong to. Outlives its readers and writers.
 class Bus {
  public:
+  /// @throws WireError if the profile is missing or refused, or the domain cannot be joined
   explicit Bus(const BusSettings& settings);
   ~Bus();
   Bus(const Bus&) = delete;
@@ -61,20 +61,27 @@ class Bus {
 
   std::int32_t participant() const;
   ClockMode clock() const;
-  std::uint64_t session_id() const noexcept;        // 0 until the plant was heard
-  void adopt_session(std::uint64_t id) noexcept;    // keeps the larger of both
-  std::vector<PeerProblem> problems() const;        // incompatible QoS or types, by topic and peer
+  std::uint64_t session_id() const noexcept;      // 0 until the plant was heard
+  void adopt_session(std::uint64_t id) noexcept;  // keeps the larger of both
+  /// Peers that discovery shows on our topics and that can never be served: incompatible QoS or types.
+  std::vector<PeerProblem> problems() const;
 
-  /// Blocks until any reader of this bus has data, `wake()` was called, or the time is over.
+  // What follows pumps the readers of this bus (those made with Wakes::kBus): call it from the thread that takes
+  // from them. wake() may be called from any thread.
+
+  /// Blocks until a new sample is there for any reader of this bus, `wake()` was called, or the time is over.
   void wait_for_data(std::int64_t timeout_ns);
   void wake() noexcept;
 
-  /// Lockstep: blocks until each reader of a stream in `newest_seq` holds that sequence number.
+  /// Lockstep: blocks until each reader of a stream in `newest_seq` holds that sequence number, and lets the readers
+  /// give out samples up to that number and no further: what a process sees at a tick does not depend on who was
+  /// faster within the tick.
   /// @return false and the topic's name in `missing` after timeout_ns.
-  bool wait_for(const unsigned long long (&newest_seq)[c3rt_v1_TOPIC_COUNT], std::int64_t timeout_ns,
-                std::string& missing);
+  bool wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::string& missing);
+  /// Lockstep: from now on a reader of a stream gives out nothing that no wait_for() has promised.
+  void hold_until_promised() noexcept;
   /// Newest sequence numbers that the writers of this bus have written, by stream (for Done and Tick).
-  void newest_written(unsigned long long (&newest_seq)[c3rt_v1_TOPIC_COUNT]) const noexcept;
+  void newest_written(Sequences& newest_seq) const noexcept;
 
  private:
   friend class ReaderBase;
@@ -100,15 +107,15 @@ class WriterBase {
   std::atomic<std::uint64_t> seq_{0};
 };
 
-/// Writes samples; fills in session, sequence and time. Not for the servo thread: Cyclone allocates in a write.
+/// Writes samples; fills in session, sequence and time. One thread per writer, and not the servo thread: Cyclone
+/// allocates in a write.
 template <typename T>
 class Writer : public WriterBase {
  public:
   explicit Writer(Bus& bus) : WriterBase(bus, topic<T>()) {}
   /// @param time_ns when the sample takes effect (in lockstep: simulated, with the scenario's delays)
-  bool write(T& sample, std::int64_t time_ns) noexcept {
-    return write_sample(sample.header, &sample, time_ns);
-  }
+  /// @return false if the sample was not sent (readers too slow for longer than the QoS allows); its number is reused
+  bool write(T& sample, std::int64_t time_ns) noexcept { return write_sample(sample.header, &sample, time_ns); }
 };
 
 struct ReaderCounters {
@@ -118,72 +125,97 @@ struct ReaderCounters {
   std::uint64_t out_of_order = 0;   // dropped: sequence number not newer
 };
 
+/// Whom a reader's new sample wakes.
+enum class Wakes {
+  kBus,     // Bus::wait_for_data(); the reader belongs to the thread that calls it
+  kItself,  // ReaderBase::wait(); for a thread of its own
+};
+
 class ReaderBase {
  public:
-  const ReaderCounters& counters() const noexcept { return counters_; }
+  ReaderBase(const ReaderBase&) = delete;
+  ReaderBase& operator=(const ReaderBase&) = delete;
+
+  ReaderCounters counters() const noexcept;   // from any thread
   std::uint64_t newest_seq() const noexcept { return newest_seq_; }
-  int matched_writers() const;
+  int matched_writers() const;                // known, also when they have just died
+  int alive_writers() const;                  // matched and not silent for longer than their liveliness lease
+  std::uint64_t missed_deadlines() const;     // realtime topics with a deadline: periods without a sample
+  /// Wakes::kItself only: blocks until there is a new sample, interrupt() was called, or the time is over.
+  void wait(std::int64_t timeout_ns);
+  void interrupt() noexcept;
 
  protected:
-  /// @param depth samples kept until taken (history of the DDS reader)
-  ReaderBase(Bus& bus, const Topic& topic, int depth);
+  /// @param depth samples kept until taken: the history of the DDS reader and of the queue here
+  ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes);
   virtual ~ReaderBase();
-  /// Takes one sample from DDS into `sample`; false if there is none. Applies the session and sequence rules:
-  /// an accepted sample is of the bus's session (session 0 = from a client: always accepted) and newer.
-  bool take_sample(Header& (*header_of)(void*), void* sample) noexcept;
-  virtual void pump() noexcept = 0;  // DDS -> queue
+
+  virtual void* sample_at(int slot) noexcept = 0;
+  virtual Header& header_at(int slot) noexcept = 0;
+
+  /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the rules:
+  /// a sample of a newer session is believed if it comes from the plant (or tells of it: service/status), one of an
+  /// older or unknown session is dropped, session 0 is a client's and always accepted; the sequence of one writer
+  /// must grow. @return number of samples accepted. No heap beyond Cyclone's.
+  int pump() noexcept;
+  /// The slot of the oldest queued sample that may be given out; -1 if there is none.
+  int front() noexcept;
+  void pop() noexcept;
+  static int queue_depth(const Bus& bus, const Topic& topic, int depth);
 
   Bus& bus_;
   const Topic& topic_;
 
  private:
   friend class Bus;
-  Entity topic_entity_, reader_, condition_;
-  ReaderCounters counters_;
+  struct Implementation;
+  bool believe(std::uint64_t session) noexcept;  // the session rule
+  void allow(std::uint64_t seq) noexcept;        // lockstep: give out samples up to here
+
   std::uint64_t newest_seq_ = 0;
-  std::uint64_t newest_session_ = 0;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 /// Reads samples in order. Not for the servo thread; see Inlet in process.hpp.
 template <typename T>
 class Reader : public ReaderBase {
  public:
-  explicit Reader(Bus& bus, int depth = 64) : ReaderBase(bus, topic<T>(), depth), depth_(depth) {}
+  explicit Reader(Bus& bus, int depth = 64, Wakes wakes = Wakes::kBus)
+      : ReaderBase(bus, topic<T>(), depth, wakes), slots_(queue_depth(bus, topic<T>(), depth) + 1) {}
   ~Reader() override = default;
 
   /// Next sample in order; false, and `out` untouched, if there is none.
   bool take(T& out) noexcept {
     pump();
-    if (queue_.empty()) return false;
-    out = queue_.front();
-    queue_.pop_front();
+    const int slot = front();
+    if (slot < 0) return false;
+    out = slots_[slot];
+    pop();
     return true;
+  }
+  /// Newest sample; older ones are dropped.
+  bool take_newest(T& out) noexcept {
+    bool found = false;
+    while (take(out)) found = true;
+    return found;
   }
   /// Newest sample whose time has come: header.time_ns <= now_ns. Older ones are dropped, later ones stay.
   bool take_effective(std::int64_t now_ns, T& out) noexcept {
     pump();
     bool found = false;
-    while (!queue_.empty() && queue_.front().header.time_ns <= now_ns) {
-      out = queue_.front();
-      queue_.pop_front();
+    for (int slot = front(); slot >= 0 && slots_[slot].header.time_ns <= now_ns; slot = front()) {
+      out = slots_[slot];
+      pop();
       found = true;
     }
     return found;
   }
 
- protected:
-  void pump() noexcept override {
-    static const auto header_of = [](void* sample) -> Header& { return static_cast<T*>(sample)->header; };
-    while (take_sample(header_of, &scratch_)) {
-      if (static_cast<int>(queue_.size()) >= depth_) queue_.pop_front();
-      queue_.push_back(scratch_);
-    }
-  }
-
  private:
-  int depth_;
-  T scratch_{};
-  std::deque<T> queue_;
+  void* sample_at(int slot) noexcept override { return &slots_[slot]; }
+  Header& header_at(int slot) noexcept override { return slots_[slot].header; }
+
+  std::vector<T> slots_;
 };
 
 }  // namespace c3rt::wire

@@ -2,17 +2,20 @@
 // What every process does the same way: its clock, its status, its share of faults and requests.
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "controller/rt/latest.hpp"
 #include "controller/rt/statistics.hpp"
 #include "idl/dds.hpp"
 
 namespace c3rt::wire {
+
+/// A new session id: larger than every one drawn before on this machine. Only the plant draws.
+std::uint64_t draw_session() noexcept;
 
 /// Paces a process. The same loop runs in realtime (absolute deadlines on CLOCK_MONOTONIC) and in lockstep
 /// (simulated time over sim/tick and sim/done):
@@ -21,21 +24,25 @@ namespace c3rt::wire {
 ///
 /// In lockstep, wait() first answers the previous tick with Done (so everything written before counts as written in
 /// it), then blocks until a tick names this process and until every reader holds the samples that the tick promises.
+/// Make the readers before the first wait(): it joins the run. REQUEST_SHUTDOWN is obeyed and answered here.
 class Loop {
  public:
   struct Settings {
     Process process;
     std::int64_t period_ns;
-    std::int64_t phase_ns = 0;  // lockstep: acts at ticks >= phase + k * period
+    std::int64_t phase_ns = 0;                       // lockstep: acts at ticks >= phase + k * period
+    std::int64_t join_timeout_ns = 60'000'000'000;   // lockstep: until the first tick
+    std::int64_t gone_timeout_ns = 10'000'000'000;   // lockstep: the plant has died, or no tick for six times this
   };
   Loop(Bus& bus, const Settings& settings);
   ~Loop();
   /// @return false when a stop was requested (signal or REQUEST_SHUTDOWN) or, in lockstep, when the plant is gone.
+  /// RT (realtime): no heap, no lock, no throw.
   bool wait(std::int64_t& now_ns);
   /// Why wait() returned false: empty for a requested stop, else a sentence ("no tick from the plant for 10 s").
   const std::string& failure() const;
-  std::uint64_t missed_cycles() const noexcept;                  // realtime: periods skipped
-  const rt::Statistics& wakeup_latency() const noexcept;         // realtime [s]
+  std::uint64_t missed_cycles() const noexcept;           // realtime: periods skipped
+  const rt::Statistics& wakeup_latency() const noexcept;  // realtime [s]
 
  private:
   struct Implementation;
@@ -46,10 +53,15 @@ class Loop {
 class LockstepMaster {
  public:
   /// Blocks until each expected process has joined. @throws WireError naming those missing after timeout_ns.
-  LockstepMaster(Bus& bus, const std::vector<Process>& expected, std::int64_t timeout_ns);
+  /// After a stop request it returns at once, and advance() does nothing.
+  /// Make the plant's readers before, and write nothing before: the constructor is the start of the run.
+  /// @param answer_timeout_ns how long one tick may take; a process that has died is noticed after a third of it
+  LockstepMaster(Bus& bus, const std::vector<Process>& expected, std::int64_t timeout_ns,
+                 std::int64_t answer_timeout_ns = 30'000'000'000);
   ~LockstepMaster();
-  /// Announces now_ns (after the state of now_ns was written) and waits for every process that is due.
-  /// @return false after a stop request, or when a process did not answer within 30 s (see failure()).
+  /// Announces now_ns (after the state of now_ns was written), waits for every process that is due, and then for
+  /// what they wrote: the plant's readers hold it when this returns.
+  /// @return false after a stop request, or when a process did not answer (see failure()).
   bool advance(std::int64_t now_ns);
   const std::string& failure() const;
 
@@ -62,12 +74,13 @@ class LockstepMaster {
 class StatusReporter {
  public:
   StatusReporter(Bus& bus, Process process);
-  ~StatusReporter();  // publishes SERVICE_STOPPING
+  ~StatusReporter();  // publishes SERVICE_STOPPING (a SERVICE_FAILED stays)
   void set_state(c3rt_v1_ServiceState state, std::string_view text);  // not for the servo thread
-  /// A named counter (at most COUNTERS); the reference stays valid, incrementing it is wait-free.
+  /// A named counter; the reference stays valid, incrementing it is wait-free.
+  /// @throws WireError beyond COUNTERS names or 23 letters
   std::atomic<std::uint64_t>& counter(std::string_view name);
-  rt::Statistics& wakeup_latency() noexcept;   // wait-free to add to
-  rt::Statistics& compute() noexcept;
+  rt::Statistics& wakeup_latency() noexcept;  // wait-free to add to, from one thread
+  rt::Statistics& compute() noexcept;         // one sample per cycle: rate_hz is counted here
 
  private:
   struct Implementation;
@@ -80,38 +93,138 @@ class StopFlag {
   StopFlag();
   static bool requested() noexcept;
   static void request() noexcept;
+  static void clear() noexcept;  // for a second run in one process
 };
 
+/// Gives the calling helper thread a name (at most 15 letters) and the ordinary scheduler, whatever its parent has.
+void become_helper_thread(const char* name) noexcept;
+
 /// DDS -> servo thread. Realtime: a helper thread takes, the servo thread gets the newest, wait-free.
+/// Lockstep: no thread; the samples that the tick promised are taken directly.
 template <typename T>
 class Inlet {
  public:
-  explicit Inlet(Bus& bus);
-  ~Inlet();
-  bool take(T& out) noexcept { return latest_.take(out); }
+  explicit Inlet(Bus& bus)
+      : bus_(bus),
+        realtime_(bus.clock() == ClockMode::kRealtime),
+        reader_(bus, 64, realtime_ ? Wakes::kItself : Wakes::kBus) {
+    if (realtime_) thread_ = std::thread([this] { run(); });
+  }
+  ~Inlet() {
+    if (!thread_.joinable()) return;
+    stop_.store(true);
+    reader_.interrupt();
+    thread_.join();
+  }
+  Inlet(const Inlet&) = delete;
+  Inlet& operator=(const Inlet&) = delete;
+
+  /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of an older session.
+  /// RT (realtime): no heap, no lock, no throw.
+  bool take(T& out) noexcept { return realtime_ ? take_latest(out) : reader_.take_newest(out); }
+  /// The same, but in lockstep only samples whose time has come: header.time_ns <= now_ns.
+  bool take(std::int64_t now_ns, T& out) noexcept {
+    return realtime_ ? take_latest(out) : reader_.take_effective(now_ns, out);
+  }
+  ReaderCounters counters() const noexcept { return reader_.counters(); }
 
  private:
+  bool take_latest(T& out) noexcept {
+    if (!latest_.take(taken_)) return false;
+    const std::uint64_t session = taken_.header.session_id;
+    if (session != 0 && session != bus_.session_id()) return false;
+    out = taken_;
+    return true;
+  }
+  void run() noexcept {
+    become_helper_thread("inlet");
+    while (!stop_.load()) {
+      reader_.wait(1'000'000'000);
+      if (reader_.take_newest(arrived_)) latest_.put(arrived_);
+    }
+  }
+
+  Bus& bus_;
+  const bool realtime_;
   rt::Latest<T> latest_;
+  T arrived_{}, taken_{};  // of the helper thread, of the servo thread
   std::atomic<bool> stop_{false};
   Reader<T> reader_;
   std::thread thread_;
 };
 
-/// Servo thread -> DDS. Realtime: put() is wait-free; a helper thread writes.
+/// A flag that one thread raises without ever blocking and another one sleeps on (eventfd).
+class Signal {
+ public:
+  Signal();
+  ~Signal();
+  Signal(const Signal&) = delete;
+  Signal& operator=(const Signal&) = delete;
+  void raise() noexcept;                          // RT: no heap, no lock, no throw
+  void wait(std::int64_t timeout_ns) noexcept;    // returns when raised since the last wait, or after the time
+
+ private:
+  int event_;
+};
+
+/// Servo thread -> DDS. Realtime: put() is wait-free; a helper thread writes, and never skips the newest.
+/// Lockstep: put() writes.
 template <typename T>
 class Outlet {
  public:
-  explicit Outlet(Bus& bus);
-  ~Outlet();
-  /// Hands the sample over; the helper writes it with time_ns = time of handing over.
-  void put(const T& sample, std::int64_t time_ns) noexcept;
+  explicit Outlet(Bus& bus) : realtime_(bus.clock() == ClockMode::kRealtime), writer_(bus) {
+    if (realtime_) thread_ = std::thread([this] { run(); });
+  }
+  ~Outlet() {
+    if (!thread_.joinable()) return;
+    stop_.store(true);
+    signal_.raise();
+    thread_.join();
+  }
+  Outlet(const Outlet&) = delete;
+  Outlet& operator=(const Outlet&) = delete;
+
+  /// Hands the sample over; the helper writes it with this time_ns (time of handing over; in lockstep: of effect).
+  /// RT (realtime): no heap, no lock, no throw.
+  void put(const T& sample, std::int64_t time_ns) noexcept {
+    handed_.sample = sample;
+    handed_.time_ns = time_ns;
+    if (!realtime_) {
+      write(handed_);
+      return;
+    }
+    latest_.put(handed_);
+    signal_.raise();
+  }
+  std::uint64_t written() const noexcept { return writer_.seq(); }
+  std::uint64_t failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
+  int matched_readers() const { return writer_.matched_readers(); }
 
  private:
-  struct Item { T sample; std::int64_t time_ns; };
+  struct Item {
+    T sample{};
+    std::int64_t time_ns = 0;
+  };
+  void write(Item& item) noexcept {
+    if (!writer_.write(item.sample, item.time_ns)) failed_.fetch_add(1, std::memory_order_relaxed);
+  }
+  void run() noexcept {
+    become_helper_thread("outlet");
+    while (true) {
+      const bool last = stop_.load();  // what was put before the stop is still written
+      while (latest_.take(writing_)) write(writing_);
+      if (last) return;
+      signal_.wait(1'000'000'000);
+    }
+  }
+
+  const bool realtime_;
   rt::Latest<Item> latest_;
+  Item handed_, writing_;  // of the servo thread, of the helper thread
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> failed_{0};
+  Signal signal_;
   Writer<T> writer_;
-  int event_ = -1;  // eventfd: writing to it never blocks here
   std::thread thread_;
 };
 

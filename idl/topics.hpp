@@ -25,6 +25,8 @@ using ServiceReply = c3rt_v1_ServiceReply;
 using FaultInject = c3rt_v1_FaultInject;
 using Process = c3rt_v1_Process;
 
+using Sequences = decltype(c3rt_v1_Tick::newest_seq);  // by Stream
+
 constexpr int kProcessCount = 5;
 const char* process_name(Process process);  // "plant", "impedance", "planner", "vision", "recorder"
 

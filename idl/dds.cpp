@@ -1,0 +1,435 @@
+#include "idl/dds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include <dds/dds.h>
+
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/peers.hpp"
+#include "idl/qos.hpp"
+
+namespace c3rt::wire {
+
+namespace {
+
+constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
+
+Entity created(dds_entity_t handle, const std::string& what) {
+  if (handle < 0) throw WireError("cannot create " + what + ": " + dds_strretcode(handle));
+  return Entity(handle);
+}
+
+/// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on it.
+class Domain {
+ public:
+  Domain(std::uint32_t id, const std::string& profile) : id_(id), configured_(!profile.empty()) {
+    if (!configured_) return;
+    const std::lock_guard lock(mutex());
+    Shared& shared = domains()[id_];
+    if (shared.users == 0) {
+      std::error_code error;
+      const auto path = std::filesystem::canonical(profile, error);
+      if (error) throw WireError("DDS profile " + profile + ": " + error.message());
+      shared.handle = dds_create_domain(id_, ("file://" + path.string()).c_str());
+      // somebody else in this process may already use the domain, with a configuration of its own
+      if (shared.handle < 0 && shared.handle != DDS_RETCODE_PRECONDITION_NOT_MET) {
+        const std::string reason = dds_strretcode(shared.handle);
+        domains().erase(id_);
+        throw WireError("DDS profile " + profile + " was refused for domain " + std::to_string(id_) + ": " + reason);
+      }
+    }
+    ++shared.users;
+  }
+  ~Domain() {
+    if (!configured_) return;
+    const std::lock_guard lock(mutex());
+    Shared& shared = domains()[id_];
+    if (--shared.users > 0) return;
+    if (shared.handle > 0) dds_delete(shared.handle);
+    domains().erase(id_);
+  }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+ private:
+  struct Shared {
+    dds_entity_t handle = 0;
+    int users = 0;
+  };
+  static std::mutex& mutex() {
+    static std::mutex instance;
+    return instance;
+  }
+  static std::map<std::uint32_t, Shared>& domains() {
+    static std::map<std::uint32_t, Shared> instance;
+    return instance;
+  }
+
+  std::uint32_t id_;
+  bool configured_;
+};
+
+/// Blocks one thread until an attached condition triggers or somebody interrupts.
+class Waiter {
+ public:
+  Waiter(dds_entity_t participant, const std::string& owner)
+      : waitset_(created(dds_create_waitset(participant), "the wait set of " + owner)),
+        guard_(created(dds_create_guardcondition(participant), "the guard condition of " + owner)) {
+    attach(guard_);
+  }
+  void attach(const Entity& condition) { dds_waitset_attach(waitset_.handle(), condition.handle(), 0); }
+  void detach(const Entity& condition) { dds_waitset_detach(waitset_.handle(), condition.handle()); }
+  void wait(std::int64_t timeout_ns) noexcept {
+    dds_waitset_wait(waitset_.handle(), nullptr, 0, std::max<std::int64_t>(timeout_ns, 0));
+    bool triggered = false;
+    dds_take_guardcondition(guard_.handle(), &triggered);
+  }
+  void interrupt() noexcept { dds_set_guardcondition(guard_.handle(), true); }
+
+ private:
+  Entity waitset_, guard_;
+};
+
+}  // namespace
+
+Entity& Entity::operator=(Entity&& other) noexcept {
+  std::swap(handle_, other.handle_);
+  return *this;
+}
+
+Entity::~Entity() {
+  if (handle_ > 0) dds_delete(handle_);
+}
+
+struct Bus::Implementation {
+  explicit Implementation(const BusSettings& s)
+      : settings(s),
+        session(s.session_id),
+        domain(s.domain, s.profile_uri),
+        participant(created(dds_create_participant(s.domain, nullptr, nullptr),
+                            "a participant in DDS domain " + std::to_string(s.domain))),
+        waiter(participant.handle(), "the bus") {}
+
+  void add(const Endpoint& endpoint) {
+    const std::lock_guard lock(endpoints_mutex);
+    endpoints.push_back(endpoint);
+  }
+  void remove(std::int32_t handle) {
+    const std::lock_guard lock(endpoints_mutex);
+    endpoints.erase(std::remove_if(endpoints.begin(), endpoints.end(),
+                                   [handle](const Endpoint& endpoint) { return endpoint.handle == handle; }),
+                    endpoints.end());
+  }
+
+  BusSettings settings;
+  std::atomic<std::uint64_t> session;
+  std::array<std::atomic<std::uint64_t>, c3rt_v1_TOPIC_COUNT> written{};
+  bool held_back = false;
+  Domain domain;
+  Entity participant;
+  Waiter waiter;
+  std::vector<ReaderBase*> readers;  // those that wake the bus
+  std::mutex endpoints_mutex;
+  std::vector<Endpoint> endpoints;
+  std::unique_ptr<Peers> peers;
+};
+
+Bus::Bus(const BusSettings& settings) : implementation_(std::make_unique<Implementation>(settings)) {}
+Bus::~Bus() = default;
+
+std::int32_t Bus::participant() const { return implementation_->participant.handle(); }
+ClockMode Bus::clock() const { return implementation_->settings.clock; }
+std::uint64_t Bus::session_id() const noexcept { return implementation_->session.load(std::memory_order_relaxed); }
+
+void Bus::adopt_session(std::uint64_t id) noexcept {
+  std::uint64_t known = implementation_->session.load();
+  while (known < id && !implementation_->session.compare_exchange_weak(known, id)) {
+  }
+}
+
+std::vector<PeerProblem> Bus::problems() const {
+  const std::lock_guard lock(implementation_->endpoints_mutex);
+  if (implementation_->peers == nullptr) implementation_->peers = std::make_unique<Peers>(participant());
+  return implementation_->peers->problems(implementation_->endpoints);
+}
+
+void Bus::wait_for_data(std::int64_t timeout_ns) {
+  int arrived = 0;
+  for (ReaderBase* reader : implementation_->readers) arrived += reader->pump();
+  if (arrived == 0) implementation_->waiter.wait(timeout_ns);
+}
+
+void Bus::wake() noexcept { implementation_->waiter.interrupt(); }
+
+bool Bus::wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::string& missing) {
+  const std::int64_t deadline_ns = rt::now_ns() + timeout_ns;
+  while (true) {
+    const ReaderBase* behind = nullptr;
+    for (ReaderBase* reader : implementation_->readers) {
+      reader->pump();
+      if (reader->topic_.stream == Stream::kNone) continue;
+      const std::uint64_t promised = newest_seq[static_cast<int>(reader->topic_.stream)];
+      reader->allow(promised);
+      if (reader->newest_seq() < promised) behind = reader;
+    }
+    if (behind == nullptr) return true;
+    const std::int64_t left_ns = deadline_ns - rt::now_ns();
+    if (left_ns <= 0) {
+      missing = behind->topic_.name;
+      return false;
+    }
+    implementation_->waiter.wait(left_ns);
+  }
+}
+
+void Bus::hold_until_promised() noexcept {
+  implementation_->held_back = true;
+  for (ReaderBase* reader : implementation_->readers) reader->allow(0);
+}
+
+void Bus::newest_written(Sequences& newest_seq) const noexcept {
+  for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i) newest_seq[i] = implementation_->written[i].load();
+}
+
+WriterBase::WriterBase(Bus& bus, const Topic& topic)
+    : bus_(bus),
+      topic_(topic),
+      topic_entity_(created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
+                            std::string("topic ") + topic.name)),
+      writer_(created(dds_create_writer(bus.participant(), topic_entity_.handle(),
+                                        writer_qos(topic, bus.clock()).get(), nullptr),
+                      std::string("the writer of ") + topic.name)) {
+  bus.implementation_->add({&topic_, writer_.handle(), true});
+}
+
+WriterBase::~WriterBase() { bus_.implementation_->remove(writer_.handle()); }
+
+int WriterBase::matched_readers() const {
+  dds_publication_matched_status_t status{};
+  dds_get_publication_matched_status(writer_.handle(), &status);
+  return static_cast<int>(status.current_count);
+}
+
+bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t time_ns) noexcept {
+  const std::uint64_t seq = seq_.load(std::memory_order_relaxed) + 1;
+  header.session_id = bus_.session_id();
+  header.seq = seq;
+  header.time_ns = time_ns;
+  if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) return false;
+  seq_.store(seq);
+  if (topic_.stream != Stream::kNone) bus_.implementation_->written[static_cast<int>(topic_.stream)].store(seq);
+  return true;
+}
+
+struct ReaderBase::Implementation {
+  /// What was accepted from one writer.
+  struct Source {
+    dds_instance_handle_t writer = 0;
+    std::uint64_t session = 0;
+    std::uint64_t newest = 0;  // of the pumps before this one; 0: new
+    std::uint64_t first_arrived = 0, last_arrived = 0, arrived = 0;  // in this pump
+  };
+  struct Entry {
+    int slot;
+    int source;
+    std::uint64_t session, seq;
+  };
+  static constexpr int kSources = 32;
+
+  Source& source_of(dds_instance_handle_t writer, std::uint64_t session) noexcept {
+    for (Source& source : sources) {
+      if (source.writer != writer) continue;
+      if (source.session != session) source = {writer, session};
+      return source;
+    }
+    // more writers than places: the oldest place is reused, and that writer's next gap goes unnoticed
+    Source& source = sources[next_source];
+    next_source = (next_source + 1) % kSources;
+    source = {writer, session};
+    return source;
+  }
+  Entry& entry(int i) noexcept { return entries[static_cast<std::size_t>((head + i) % capacity)]; }
+
+  Entity topic, reader, condition;
+  std::unique_ptr<Waiter> waiter;  // Wakes::kItself
+  std::array<Source, kSources> sources{};
+  int next_source = 0;
+
+  // a ring of `capacity` entries; each owns one slot of the samples, also while it is not in use
+  std::vector<Entry> entries;
+  int capacity = 0, head = 0, count = 0;
+  std::uint64_t allowed = kNoLimit;  // sequence number up to which a stream's samples are given out
+
+  std::atomic<std::uint64_t> received{0}, lost{0}, other_session{0}, out_of_order{0};
+};
+
+int ReaderBase::queue_depth(const Bus& bus, const Topic& topic, int depth) {
+  const bool lockstep = bus.clock() == ClockMode::kLockstep && topic.qos != Qos::kEvent && topic.qos != Qos::kStatus;
+  return lockstep ? std::max(depth, kLockstepDepth) : std::max(depth, 1);
+}
+
+ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes)
+    : bus_(bus), topic_(topic), implementation_(std::make_unique<Implementation>()) {
+  Implementation& self = *implementation_;
+  const int kept = queue_depth(bus, topic, depth);
+  self.capacity = kept + 1;
+  self.entries.resize(static_cast<std::size_t>(self.capacity));
+  for (int i = 0; i < self.capacity; ++i) self.entries[static_cast<std::size_t>(i)].slot = i;
+  const std::string name = topic.name;
+  self.topic = created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
+                       "topic " + name);
+  self.reader = created(dds_create_reader(bus.participant(), self.topic.handle(),
+                                          reader_qos(topic, bus.clock(), kept).get(), nullptr),
+                        "the reader of " + name);
+  self.condition = created(dds_create_readcondition(self.reader.handle(), DDS_ANY_STATE),
+                           "the read condition of " + name);
+  if (wakes == Wakes::kBus) {
+    bus.implementation_->waiter.attach(self.condition);
+    bus.implementation_->readers.push_back(this);
+    if (bus.implementation_->held_back && topic.stream != Stream::kNone) self.allowed = 0;
+  } else {
+    self.waiter = std::make_unique<Waiter>(bus.participant(), "the reader of " + name);
+    self.waiter->attach(self.condition);
+  }
+  bus.implementation_->add({&topic_, self.reader.handle(), false});
+}
+
+ReaderBase::~ReaderBase() {
+  Implementation& self = *implementation_;
+  bus_.implementation_->remove(self.reader.handle());
+  if (self.waiter != nullptr) {
+    self.waiter->detach(self.condition);
+    return;
+  }
+  bus_.implementation_->waiter.detach(self.condition);
+  auto& readers = bus_.implementation_->readers;
+  readers.erase(std::remove(readers.begin(), readers.end(), this), readers.end());
+}
+
+ReaderCounters ReaderBase::counters() const noexcept {
+  const Implementation& self = *implementation_;
+  return {self.received.load(), self.lost.load(), self.other_session.load(), self.out_of_order.load()};
+}
+
+int ReaderBase::matched_writers() const {
+  dds_subscription_matched_status_t status{};
+  dds_get_subscription_matched_status(implementation_->reader.handle(), &status);
+  return static_cast<int>(status.current_count);
+}
+
+int ReaderBase::alive_writers() const {
+  dds_liveliness_changed_status_t status{};
+  dds_get_liveliness_changed_status(implementation_->reader.handle(), &status);
+  return static_cast<int>(status.alive_count);
+}
+
+std::uint64_t ReaderBase::missed_deadlines() const {
+  dds_requested_deadline_missed_status_t status{};
+  dds_get_requested_deadline_missed_status(implementation_->reader.handle(), &status);
+  return status.total_count;
+}
+
+void ReaderBase::wait(std::int64_t timeout_ns) { implementation_->waiter->wait(timeout_ns); }
+void ReaderBase::interrupt() noexcept { implementation_->waiter->interrupt(); }
+
+void ReaderBase::allow(std::uint64_t seq) noexcept {
+  if (topic_.stream != Stream::kNone) implementation_->allowed = seq;
+}
+
+bool ReaderBase::believe(std::uint64_t session) noexcept {
+  const std::uint64_t ours = bus_.session_id();
+  if (session == ours || session == 0) return true;
+  if (session < ours) return false;
+  const BusSettings& settings = bus_.implementation_->settings;
+  // who draws the session itself (the plant) adopts no other
+  if (settings.session_id != 0) return false;
+  if (topic_.from_plant || topic_.qos == Qos::kStatus) {
+    bus_.adopt_session(session);
+    return true;
+  }
+  // a client that has not heard the plant may still talk about services
+  return ours == 0 && topic_.qos == Qos::kEvent;
+}
+
+int ReaderBase::pump() noexcept {
+  Implementation& self = *implementation_;
+  int fresh = 0;  // entries of this pump, at the end of the queue
+  int accepted = 0;
+  while (true) {
+    // the entry behind the last one owns a free slot
+    void* sample = sample_at(self.entry(self.count).slot);
+    dds_sample_info_t info;
+    if (dds_take(self.reader.handle(), &sample, &info, 1, 1) != 1) break;
+    if (!info.valid_data) continue;  // a writer came or went
+    Implementation::Entry& entry = self.entry(self.count);
+    const Header& header = header_at(entry.slot);
+    if (!believe(header.session_id)) {
+      self.other_session.fetch_add(1, std::memory_order_relaxed);
+      continue;
+    }
+    Implementation::Source& source = self.source_of(info.publication_handle, header.session_id);
+    if (source.newest != 0 && header.seq <= source.newest) {
+      self.out_of_order.fetch_add(1, std::memory_order_relaxed);
+      continue;
+    }
+    entry.source = static_cast<int>(&source - self.sources.data());
+    entry.session = header.session_id;
+    entry.seq = header.seq;
+    source.first_arrived = source.arrived == 0 ? header.seq : std::min(source.first_arrived, header.seq);
+    source.last_arrived = std::max(source.last_arrived, header.seq);
+    ++source.arrived;
+    ++self.count;
+    ++fresh;
+    ++accepted;
+    // DDS hands out instance by instance: back into the order in which the writer wrote
+    for (int i = self.count - 1; i > self.count - fresh; --i) {
+      Implementation::Entry& before = self.entry(i - 1);
+      if (before.source != self.entry(i).source || before.seq < self.entry(i).seq) break;
+      std::swap(before, self.entry(i));
+    }
+    if (self.count == self.capacity) {
+      pop();
+      fresh = std::min(fresh, self.count);
+    }
+  }
+  if (accepted == 0) return 0;
+  self.received.fetch_add(static_cast<std::uint64_t>(accepted), std::memory_order_relaxed);
+  for (Implementation::Source& source : self.sources) {
+    if (source.arrived == 0) continue;
+    // what a writer wrote before it was first heard is not lost
+    const std::uint64_t expected =
+        source.last_arrived - (source.newest == 0 ? source.first_arrived - 1 : source.newest);
+    if (expected > source.arrived) self.lost.fetch_add(expected - source.arrived, std::memory_order_relaxed);
+    source.newest = source.last_arrived;
+    if (source.session == bus_.session_id() || source.session == 0) newest_seq_ = source.newest;
+    source.arrived = 0;
+  }
+  return accepted;
+}
+
+int ReaderBase::front() noexcept {
+  Implementation& self = *implementation_;
+  while (self.count > 0) {
+    const Implementation::Entry& entry = self.entry(0);
+    // the plant may have restarted since the sample was queued
+    if (entry.session != 0 && entry.session < bus_.session_id()) {
+      self.other_session.fetch_add(1, std::memory_order_relaxed);
+      pop();
+      continue;
+    }
+    return entry.seq <= self.allowed ? entry.slot : -1;
+  }
+  return -1;
+}
+
+void ReaderBase::pop() noexcept {
+  Implementation& self = *implementation_;
+  self.head = (self.head + 1) % self.capacity;
+  --self.count;
+}
+
+}  // namespace c3rt::wire

@@ -1,0 +1,141 @@
+#include "idl/peers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "controller/rt/periodic_clock.hpp"
+
+namespace c3rt::wire {
+
+namespace {
+
+constexpr int kMaxPeers = 256;
+constexpr std::int64_t kMatchingTime_ns = 2'000'000'000;
+
+Entity builtin_reader(std::int32_t participant, dds_entity_t topic) {
+  return Entity(dds_create_reader(participant, topic, nullptr, nullptr));
+}
+
+/// Reads every living instance of a built-in topic; the loan ends with the object.
+template <typename T>
+class Loan {
+ public:
+  explicit Loan(std::int32_t reader) : reader_(reader) {
+    count_ = dds_read(reader_, samples_.data(), info_.data(), kMaxPeers, kMaxPeers);
+  }
+  ~Loan() {
+    if (count_ > 0) dds_return_loan(reader_, samples_.data(), count_);
+  }
+  Loan(const Loan&) = delete;
+  Loan& operator=(const Loan&) = delete;
+
+  template <typename F>
+  void each(F visit) const {
+    for (int i = 0; i < count_; ++i) {
+      if (info_[i].valid_data && info_[i].instance_state == DDS_IST_ALIVE) {
+        visit(*static_cast<const T*>(samples_[i]), info_[i].instance_handle);
+      }
+    }
+  }
+
+ private:
+  std::int32_t reader_;
+  int count_ = 0;
+  std::array<void*, kMaxPeers> samples_{};
+  std::array<dds_sample_info_t, kMaxPeers> info_{};
+};
+
+std::string property(const dds_qos_t* qos, const char* key) {
+  char* value = nullptr;
+  if (!dds_qget_prop(qos, key, &value) || value == nullptr) return "";
+  std::string result(value);
+  dds_free(value);
+  return result;
+}
+
+std::vector<dds_instance_handle_t> matched(const Endpoint& endpoint) {
+  std::vector<dds_instance_handle_t> handles(kMaxPeers);
+  const dds_return_t count =
+      endpoint.is_writer ? dds_get_matched_subscriptions(endpoint.handle, handles.data(), handles.size())
+                         : dds_get_matched_publications(endpoint.handle, handles.data(), handles.size());
+  handles.resize(count > 0 ? std::min<std::size_t>(static_cast<std::size_t>(count), handles.size()) : 0);
+  return handles;
+}
+
+}  // namespace
+
+Peers::Peers(std::int32_t participant)
+    : participant_(participant),
+      publications_(builtin_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION)),
+      subscriptions_(builtin_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION)),
+      participants_(builtin_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT)) {}
+
+std::string Peers::name_of(const dds_guid_t& participant) const {
+  std::string name = "another process";
+  Loan<dds_builtintopic_participant_t>(participants_.handle()).each([&](const auto& peer, dds_instance_handle_t) {
+    if (std::memcmp(peer.key.v, participant.v, sizeof participant.v) != 0) return;
+    const std::string process = property(peer.qos, "__ProcessName");
+    const std::string pid = property(peer.qos, "__Pid");
+    if (!process.empty()) name = process + (pid.empty() ? "" : " (pid " + pid + ")");
+  });
+  return name;
+}
+
+std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
+  std::vector<PeerProblem> result;
+  dds_guid_t own{};
+  dds_get_guid(participant_, &own);
+  decltype(unmatched_since_ns_) unmatched;
+  const auto check = [&](const Endpoint& endpoint, const dds_builtintopic_endpoint_t& peer,
+                         dds_instance_handle_t peer_handle) {
+    if (std::strcmp(peer.topic_name, endpoint.topic->name) != 0) return;
+    if (std::memcmp(peer.participant_key.v, own.v, sizeof own.v) == 0) return;
+    const char* here = endpoint.is_writer ? "this writer" : "this reader";
+    const char* there = endpoint.is_writer ? "reader" : "writer";
+    const auto report = [&](const std::string& theirs, const std::string& mine) {
+      result.push_back({endpoint.topic->name, std::string(endpoint.topic->name) + ": " + there + " of " +
+                                                  name_of(peer.participant_key) + " " + theirs + ", " + here + " " +
+                                                  mine});
+    };
+    const char* type = endpoint.topic->descriptor->m_typename;
+    if (std::strcmp(peer.type_name, type) != 0) {
+      report(std::string("has type ") + peer.type_name, std::string("has type ") + type);
+      return;
+    }
+    QosPointer qos(dds_create_qos());
+    if (dds_get_qos(endpoint.handle, qos.get()) != DDS_RETCODE_OK) return;
+    Disagreement difference;
+    if (disagree(endpoint.is_writer ? qos.get() : peer.qos, endpoint.is_writer ? peer.qos : qos.get(), difference)) {
+      if (endpoint.is_writer) {
+        report("requests " + difference.requested, "offers " + difference.offered);
+      } else {
+        report("offers " + difference.offered, "requests " + difference.requested);
+      }
+      return;
+    }
+    const auto partners = matched(endpoint);
+    if (std::find(partners.begin(), partners.end(), peer_handle) != partners.end()) return;
+    const std::pair key(endpoint.handle, peer_handle);
+    const auto known = unmatched_since_ns_.find(key);
+    const std::int64_t since_ns = known == unmatched_since_ns_.end() ? rt::now_ns() : known->second;
+    unmatched[key] = since_ns;
+    if (rt::now_ns() - since_ns > kMatchingTime_ns) {
+      report(std::string("defines ") + type + " differently", "cannot understand it");
+    }
+  };
+  Loan<dds_builtintopic_endpoint_t>(publications_.handle()).each([&](const auto& peer, dds_instance_handle_t handle) {
+    for (const Endpoint& endpoint : ours) {
+      if (!endpoint.is_writer) check(endpoint, peer, handle);
+    }
+  });
+  Loan<dds_builtintopic_endpoint_t>(subscriptions_.handle()).each([&](const auto& peer, dds_instance_handle_t handle) {
+    for (const Endpoint& endpoint : ours) {
+      if (endpoint.is_writer) check(endpoint, peer, handle);
+    }
+  });
+  unmatched_since_ns_ = std::move(unmatched);
+  return result;
+}
+
+}  // namespace c3rt::wire

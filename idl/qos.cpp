@@ -1,0 +1,150 @@
+#include "idl/qos.hpp"
+
+namespace c3rt::wire {
+
+namespace {
+
+// a reliable write waits this long for slow readers before it fails
+constexpr dds_duration_t kMaxBlockingRealtime = DDS_MSECS(10);
+constexpr dds_duration_t kMaxBlockingLockstep = DDS_SECS(10);
+constexpr dds_duration_t kPlanLease = DDS_SECS(1);
+constexpr dds_duration_t kStatusLease = DDS_SECS(1);
+// longer than any stall of a loaded machine: in lockstep a lost peer ends the run
+constexpr dds_duration_t kSyncLease = DDS_SECS(5);
+constexpr int kEventDepth = 16;
+
+QosPointer new_qos() {
+  QosPointer qos(dds_create_qos());
+  // a writer that ends leaves its last samples to the readers
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  return qos;
+}
+
+void set_history(dds_qos_t* qos, int depth) { dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth); }
+
+// late readers get up to `depth` samples of what was written before they came
+void set_transient_local(dds_qos_t* qos, int depth) {
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED);
+}
+
+bool in_lockstep(const Topic& topic, ClockMode clock) {
+  return topic.qos == Qos::kSync ||
+         (clock == ClockMode::kLockstep && (topic.qos == Qos::kStream || topic.qos == Qos::kPlan));
+}
+
+const char* name(dds_reliability_kind_t kind) { return kind == DDS_RELIABILITY_RELIABLE ? "RELIABLE" : "BEST_EFFORT"; }
+const char* name(dds_durability_kind_t kind) {
+  switch (kind) {
+    case DDS_DURABILITY_VOLATILE: return "VOLATILE";
+    case DDS_DURABILITY_TRANSIENT_LOCAL: return "TRANSIENT_LOCAL";
+    case DDS_DURABILITY_TRANSIENT: return "TRANSIENT";
+    case DDS_DURABILITY_PERSISTENT: return "PERSISTENT";
+  }
+  return "unknown durability";
+}
+const char* name(dds_liveliness_kind_t kind) {
+  switch (kind) {
+    case DDS_LIVELINESS_AUTOMATIC: return "AUTOMATIC liveliness";
+    case DDS_LIVELINESS_MANUAL_BY_PARTICIPANT: return "MANUAL_BY_PARTICIPANT liveliness";
+    case DDS_LIVELINESS_MANUAL_BY_TOPIC: return "MANUAL_BY_TOPIC liveliness";
+  }
+  return "unknown liveliness";
+}
+std::string duration(const char* what, dds_duration_t value) {
+  if (value == DDS_INFINITY) return std::string("no ") + what;
+  return std::string(what) + " of " + std::to_string(value / DDS_MSECS(1)) + " ms";
+}
+
+}  // namespace
+
+QosPointer writer_qos(const Topic& topic, ClockMode clock) {
+  QosPointer qos = new_qos();
+  const dds_duration_t blocking = clock == ClockMode::kLockstep ? kMaxBlockingLockstep : kMaxBlockingRealtime;
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, blocking);
+  switch (topic.qos) {
+    case Qos::kStream:
+      set_history(qos.get(), 1);
+      if (clock == ClockMode::kRealtime) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+      break;
+    case Qos::kPlan:
+      set_history(qos.get(), 1);
+      dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, kPlanLease);
+      break;
+    case Qos::kEvent:
+      set_history(qos.get(), kEventDepth);
+      set_transient_local(qos.get(), kEventDepth);
+      break;
+    case Qos::kStatus:
+      set_history(qos.get(), 1);
+      set_transient_local(qos.get(), 1);
+      dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, kStatusLease);
+      break;
+    case Qos::kSync:
+      dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, kSyncLease);
+      break;
+  }
+  if (in_lockstep(topic, clock)) {
+    set_history(qos.get(), kLockstepDepth);
+    // a reader that is discovered after the first sample still gets it
+    set_transient_local(qos.get(), kLockstepDepth);
+  }
+  // offered in both clocks, so that a realtime client can listen to a lockstep run
+  if (topic.deadline_s > 0.0) dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));
+  return qos;
+}
+
+QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth) {
+  QosPointer qos = new_qos();
+  const bool lockstep = in_lockstep(topic, clock);
+  const bool best_effort = topic.qos == Qos::kStream && !lockstep;
+  dds_qset_reliability(qos.get(), best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
+                       DDS_MSECS(100));
+  set_history(qos.get(), lockstep && depth < kLockstepDepth ? kLockstepDepth : depth);
+  if (lockstep || topic.qos == Qos::kEvent || topic.qos == Qos::kStatus) {
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  }
+  if (topic.deadline_s > 0.0 && clock == ClockMode::kRealtime) {
+    dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));
+  }
+  return qos;
+}
+
+bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement& difference) {
+  dds_duration_t unused = 0;
+  dds_reliability_kind_t offered_reliability = DDS_RELIABILITY_BEST_EFFORT, requested_reliability = offered_reliability;
+  if (dds_qget_reliability(offered, &offered_reliability, &unused) &&
+      dds_qget_reliability(requested, &requested_reliability, &unused) && offered_reliability < requested_reliability) {
+    difference = {name(offered_reliability), name(requested_reliability)};
+    return true;
+  }
+  dds_durability_kind_t offered_durability = DDS_DURABILITY_VOLATILE, requested_durability = offered_durability;
+  if (dds_qget_durability(offered, &offered_durability) && dds_qget_durability(requested, &requested_durability) &&
+      offered_durability < requested_durability) {
+    difference = {name(offered_durability), name(requested_durability)};
+    return true;
+  }
+  dds_duration_t offered_deadline = DDS_INFINITY, requested_deadline = DDS_INFINITY;
+  if (dds_qget_deadline(offered, &offered_deadline) && dds_qget_deadline(requested, &requested_deadline) &&
+      offered_deadline > requested_deadline) {
+    difference = {duration("deadline", offered_deadline), duration("deadline", requested_deadline)};
+    return true;
+  }
+  dds_liveliness_kind_t offered_kind = DDS_LIVELINESS_AUTOMATIC, requested_kind = offered_kind;
+  dds_duration_t offered_lease = DDS_INFINITY, requested_lease = DDS_INFINITY;
+  if (dds_qget_liveliness(offered, &offered_kind, &offered_lease) &&
+      dds_qget_liveliness(requested, &requested_kind, &requested_lease)) {
+    if (offered_kind < requested_kind) {
+      difference = {name(offered_kind), name(requested_kind)};
+      return true;
+    }
+    if (offered_lease > requested_lease) {
+      difference = {duration("liveliness lease", offered_lease), duration("liveliness lease", requested_lease)};
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace c3rt::wire
