@@ -1,0 +1,93 @@
+#include "cli/lock.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "cli/paths.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path lock_file(const std::filesystem::path& directory, std::uint32_t domain) {
+  return directory / ("domain-" + std::to_string(domain) + ".lock");
+}
+
+std::optional<Instance> read(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  const json note = json::parse(stream, nullptr, false);
+  if (!note.is_object()) return std::nullopt;
+  Instance instance;
+  instance.pid = note.value("pid", 0);
+  instance.verb = note.value("verb", "");
+  instance.scenario = note.value("scenario", "");
+  instance.clock = note.value("clock", "");
+  instance.session = note.value("session", std::uint64_t{0});
+  instance.out = note.value("out", "");
+  instance.started = note.value("started", "");
+  instance.ended = note.value("ended", "");
+  return instance;
+}
+
+}  // namespace
+
+DomainLock::DomainLock(const std::filesystem::path& directory, std::uint32_t domain,
+                       const Instance& self)
+    : file_(-1), self_(self) {
+  const std::filesystem::path path = lock_file(directory, domain);
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0)
+    throw UsageError("cannot open the lock " + path.string() + ": " + std::strerror(errno));
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    close(file_);
+    std::string who = "another c3rt holds it";
+    if (const auto other = read(path)) {
+      who = "c3rt " + other->verb + " " + other->scenario + " (pid " + std::to_string(other->pid) +
+            ", since " + other->started + ") holds it";
+    }
+    throw UsageError("DDS domain " + std::to_string(domain) + " is busy: " + who +
+                     "; end it with \"c3rt down --domain " + std::to_string(domain) +
+                     "\" or choose another --domain");
+  }
+  write();
+}
+
+DomainLock::~DomainLock() { close(file_); }
+
+void DomainLock::set_ended(const std::string& how) {
+  self_.ended = how;
+  write();
+}
+
+void DomainLock::write() const {
+  const json note{{"pid", self_.pid},         {"verb", self_.verb},  {"scenario", self_.scenario},
+                  {"clock", self_.clock},     {"out", self_.out},    {"session", self_.session},
+                  {"started", self_.started}, {"ended", self_.ended}};
+  const std::string text = note.dump() + "\n";
+  const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
+                                                       static_cast<ssize_t>(text.size());
+  if (!written) throw UsageError(std::string("cannot write the lock: ") + std::strerror(errno));
+}
+
+std::optional<Instance> holder(const std::filesystem::path& directory, std::uint32_t domain) {
+  const std::filesystem::path path = lock_file(directory, domain);
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  const bool is_free = flock(file, LOCK_SH | LOCK_NB) == 0;
+  close(file);
+  return is_free ? std::nullopt : read(path);
+}
+
+std::optional<Instance> last_instance(const std::filesystem::path& directory,
+                                      std::uint32_t domain) {
+  return read(lock_file(directory, domain));
+}
+
+}  // namespace c3rt::cli

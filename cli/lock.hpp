@@ -1,0 +1,48 @@
+#pragma once
+// One instance per DDS domain: a lock that the kernel releases however its holder ends, and a note
+// of who holds it.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <sys/types.h>
+
+namespace c3rt::cli {
+
+/// What the holder says about itself.
+struct Instance {
+  pid_t pid = 0;
+  std::string verb;      // "run", "up"
+  std::string scenario;  // name
+  std::string clock;     // "realtime", "lockstep"
+  std::uint64_t session = 0;
+  std::string out;      // its folder
+  std::string started;  // local time
+  std::string ended;    // how the last one ended; empty while it runs
+};
+
+class DomainLock {
+ public:
+  /// @throws UsageError "domain 0 is busy: …" that names the holder; it is not waited for
+  DomainLock(const std::filesystem::path& directory, std::uint32_t domain, const Instance& self);
+  ~DomainLock();
+  DomainLock(const DomainLock&) = delete;
+  DomainLock& operator=(const DomainLock&) = delete;
+
+  /// Leaves a word for `c3rt status` after this instance.
+  void set_ended(const std::string& how);
+
+ private:
+  void write() const;
+  int file_;
+  Instance self_;
+};
+
+/// The instance that holds the domain now.
+std::optional<Instance> holder(const std::filesystem::path& directory, std::uint32_t domain);
+
+/// What the last instance left, running or not.
+std::optional<Instance> last_instance(const std::filesystem::path& directory, std::uint32_t domain);
+
+}  // namespace c3rt::cli

@@ -1,0 +1,106 @@
+#include "cli/paths.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <fstream>
+
+#include <unistd.h>
+
+namespace c3rt::cli {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<std::string> names_in(const fs::path& directory, const std::string& extension) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+/// A file from its path or, in `directory`, from its name.
+fs::path find(const std::string& what, const std::string& given, const fs::path& directory,
+              const std::string& extension) {
+  const bool is_path =
+      given.find('/') != std::string::npos || fs::path(given).extension() == extension;
+  if (is_path) {
+    if (!fs::is_regular_file(given)) throw UsageError(what + " \"" + given + "\": no such file");
+    return fs::absolute(given);
+  }
+  fs::path file = directory / (given + extension);
+  if (given.empty() || !fs::is_regular_file(file)) {
+    throw UsageError("unknown " + what + " \"" + given +
+                     "\"; known: " + joined(names_in(directory, extension)) + " (or a path to a " +
+                     extension + " file)");
+  }
+  return file;
+}
+
+}  // namespace
+
+fs::path binary_directory() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::current_path() : self.parent_path();
+}
+
+fs::path process_directory() {
+  const char* chosen = std::getenv("C3RT_PROCESS_DIRECTORY");
+  return chosen != nullptr ? fs::path(chosen) : binary_directory();
+}
+
+fs::path config_directory() {
+  const fs::path here = binary_directory();
+  for (const fs::path& candidate : {here / "../share/c3rt/config", here / "../../../config"}) {
+    if (fs::is_directory(candidate / "scenarios")) return fs::weakly_canonical(candidate);
+  }
+  throw UsageError("the scenarios are neither in " +
+                   (here / "../share/c3rt/config").lexically_normal().string() + " nor in " +
+                   (here / "../../../config").lexically_normal().string());
+}
+
+std::vector<std::string> scenario_names() {
+  return names_in(config_directory() / "scenarios", ".yaml");
+}
+
+fs::path scenario_path(const std::string& scenario) {
+  return find("scenario", scenario, config_directory() / "scenarios", ".yaml");
+}
+
+fs::path dds_profile_path(const std::string& profile) {
+  return find("DDS profile", profile, config_directory() / "dds", ".xml");
+}
+
+fs::path runtime_directory() {
+  const char* session = std::getenv("XDG_RUNTIME_DIR");
+  fs::path directory = session != nullptr && access(session, W_OK) == 0
+                           ? fs::path(session) / "c3rt"
+                           : fs::temp_directory_path() / ("c3rt-" + std::to_string(getuid()));
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw UsageError("cannot make " + directory.string() + ": " + error.message());
+  return directory;
+}
+
+std::string tail(const fs::path& file, int lines) {
+  std::ifstream stream(file);
+  std::deque<std::string> kept;
+  for (std::string line; std::getline(stream, line);) {
+    kept.push_back(line);
+    if (kept.size() > static_cast<std::size_t>(lines)) kept.pop_front();
+  }
+  std::string text;
+  for (const std::string& line : kept) text += line + "\n";
+  return text;
+}
+
+}  // namespace c3rt::cli

@@ -1,0 +1,44 @@
+#pragma once
+// Where things are: seen from the binary, so that a build tree and an installed tree both work from
+// any directory.
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace c3rt::cli {
+
+/// The person asked for something that does not exist or does not fit: exit status 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The folder of this program.
+std::filesystem::path binary_directory();
+
+/// Where c3rt-plant and the others are: beside this program, or C3RT_PROCESS_DIRECTORY.
+std::filesystem::path process_directory();
+
+/// config/ of the source tree, or share/c3rt/config of the installed one. @throws UsageError where
+/// neither is
+std::filesystem::path config_directory();
+
+/// The named scenarios, sorted.
+std::vector<std::string> scenario_names();
+
+/// A scenario's file from its name or its path. @throws UsageError that lists the known names
+std::filesystem::path scenario_path(const std::string& scenario);
+
+/// A DDS profile's file from its name (loopback, lan) or its path. @throws UsageError that lists
+/// the known names
+std::filesystem::path dds_profile_path(const std::string& profile);
+
+/// Holds the locks of this user: XDG_RUNTIME_DIR/c3rt, else c3rt-UID in the folder for temporary
+/// files. Made if missing.
+std::filesystem::path runtime_directory();
+
+/// The last `lines` lines of a file, "" if there is none.
+std::string tail(const std::filesystem::path& file, int lines);
+
+}  // namespace c3rt::cli

@@ -1,0 +1,138 @@
+#include "cli/report/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace c3rt::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json quantiles(const Spread& spread) {
+  return {{"p50", number(spread.p50)},
+          {"p95", number(spread.p95)},
+          {"p99", number(spread.p99)},
+          {"max", number(spread.max)}};
+}
+
+/// "-" for what the run did not give; else the value in a smaller unit.
+std::string shown(double value, double per_unit, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value * per_unit, digits) : "-";
+}
+
+std::string shown(const Spread& spread, double per_unit, int digits) {
+  return fmt::format("p50 {}  p95 {}  max {}", shown(spread.p50, per_unit, digits),
+                     shown(spread.p95, per_unit, digits), shown(spread.max, per_unit, digits));
+}
+
+}  // namespace
+
+bool all_met(const std::vector<CriterionResult>& criteria) {
+  return std::all_of(criteria.begin(), criteria.end(),
+                     [](const CriterionResult& c) { return c.met; });
+}
+
+ordered_json to_json(const Report& report) {
+  const Figures& figures = report.figures;
+  ordered_json criteria = ordered_json::array();
+  for (const CriterionResult& c : figures.criteria) {
+    criteria.push_back(
+        {{"name", c.name}, {"value", number(c.value)}, {"limit", c.limit}, {"met", c.met}});
+  }
+  ordered_json balls = ordered_json::array();
+  for (const BallFigures& ball : figures.balls) {
+    balls.push_back({{"rms_error_m", number(ball.rms_error)},
+                     {"p95_error_m", number(ball.p95_error)},
+                     {"max_error_m", number(ball.max_error)},
+                     {"in_band_2cm", number(ball.in_band_2cm)},
+                     {"in_band_1cm", number(ball.in_band_1cm)}});
+  }
+  return {
+      {"scenario", report.scenario},
+      {"seed", report.seed},
+      {"clock", report.clock},
+      {"duration_s", number(figures.duration)},
+      {"result", report.result},
+      {"criteria", criteria},
+      {"loops_completed", figures.loops_completed},
+      {"loop_times_s", figures.loop_times},
+      {"ball", balls},
+      {"end_effector", {{"tracking_error_m", quantiles(figures.tracking_error)}}},
+      {"planner",
+       {{"rate_hz", number(figures.planner_rate)},
+        {"solve_time_s", quantiles(figures.solve_time)},
+        {"overruns", figures.overruns},
+        {"fallbacks", figures.fallbacks}}},
+      {"impedance",
+       {{"rate_hz", number(figures.impedance_rate)},
+        {"wakeup_latency_s", quantiles(report.services.impedance_wakeup)},
+        {"compute_s", quantiles(report.services.impedance_compute)},
+        {"missed_cycles", report.services.impedance_missed_cycles},
+        {"stale_plan_events", report.services.stale_plan_events}}},
+      {"vision",
+       {{"rate_hz", number(figures.vision_rate)},
+        {"error_m", quantiles(figures.vision_error)},
+        {"dropped_frames", figures.dropped_frames},
+        {"cameras_used_mean", number(figures.cameras_used_mean)}}},
+      {"latency",
+       {{"state_to_command_s", quantiles(figures.state_to_command)},
+        {"exposure_to_plan_s", quantiles(figures.exposure_to_plan)},
+        {"exposure_to_torque_s", quantiles(figures.exposure_to_torque)}}},
+      {"plant",
+       {{"real_time_factor", number(report.real_time_factor)},
+        {"reflexes", report.reflexes},
+        {"success_rate_min", number(figures.success_rate_min)}}},
+      {"log_hash", report.log_hash},
+  };
+}
+
+std::string summary(const Report& report) {
+  const Figures& figures = report.figures;
+  constexpr double kMilli = 1e3, kPercent = 1e2;
+  std::string loop_times;
+  for (const double time : figures.loop_times) loop_times += fmt::format(" {:.1f}", time);
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("  {:<22}{}\n", name, value);
+  };
+  text += fmt::format("{} ({}, seed {}): {}\n", report.scenario, report.clock, report.seed,
+                      report.result);
+  line("duration", fmt::format("{} s, {} of real time", shown(figures.duration, 1, 1),
+                               shown(report.real_time_factor, 1, 2)));
+  line("circles", fmt::format("{} ({:.2f} turns){}", figures.loops_completed, figures.turns,
+                              loop_times.empty() ? "" : ", in" + loop_times + " s"));
+  for (const BallFigures& ball : figures.balls) {
+    line("ball to path",
+         fmt::format("rms {} mm  p95 {} mm  max {} mm  in 2 cm {} %  in 1 cm {} %",
+                     shown(ball.rms_error, kMilli, 1), shown(ball.p95_error, kMilli, 1),
+                     shown(ball.max_error, kMilli, 1), shown(ball.in_band_2cm, kPercent, 1),
+                     shown(ball.in_band_1cm, kPercent, 1)));
+  }
+  line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
+  line("planner",
+       fmt::format("{} Hz, solve {} ms, {} truncated, {} fallbacks",
+                   shown(figures.planner_rate, 1, 1), shown(figures.solve_time, kMilli, 2),
+                   figures.overruns, figures.fallbacks));
+  line("impedance",
+       fmt::format("{} Hz, {} missed cycles, {} stale plans", shown(figures.impedance_rate, 1, 1),
+                   report.services.impedance_missed_cycles, report.services.stale_plan_events));
+  line("vision",
+       fmt::format("{} Hz, error {} mm, {} dropped frames", shown(figures.vision_rate, 1, 1),
+                   shown(figures.vision_error, kMilli, 2), figures.dropped_frames));
+  line("exposure to torque", shown(figures.exposure_to_torque, kMilli, 1) + " ms");
+  for (const CriterionResult& c : figures.criteria) {
+    line(c.met ? "met" : "NOT MET",
+         fmt::format("{}: {} (limit {:g})", c.name,
+                     std::isfinite(c.value) ? fmt::format("{:.4g}", c.value) : "-", c.limit));
+  }
+  return text;
+}
+
+}  // namespace c3rt::cli

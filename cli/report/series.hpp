@@ -1,0 +1,77 @@
+#pragma once
+// The time series of one run, as the recorder keeps them: what the report needs of each sample, in
+// order of time.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace c3rt::cli {
+
+constexpr int kMaxBalls = 4;
+
+inline std::array<Eigen::Vector3d, kMaxBalls> zeros() {
+  std::array<Eigen::Vector3d, kMaxBalls> result;
+  result.fill(Eigen::Vector3d::Zero());
+  return result;
+}
+
+/// Ground truth (sim/scene).
+struct SceneRow {
+  std::int64_t time_ns = 0;
+  bool exposure = false;  // the cameras exposed at this instant
+  int ball_count = 0;
+  std::array<Eigen::Vector3d, kMaxBalls> p_WB = zeros();  // [m]
+};
+
+/// robot/state
+struct StateRow {
+  std::int64_t time_ns = 0;
+  std::uint64_t seq = 0;
+  Eigen::Vector3d p_WE = Eigen::Vector3d::Zero();  // true [m]
+  bool reflex = false;
+  std::uint64_t errors = 0;  // bits of plant_emulator/errors.hpp
+  double success_rate = 0;   // 0..1
+};
+
+/// robot/command; stamps as in Origin, 0 = none
+struct CommandRow {
+  std::int64_t time_ns = 0;
+  std::int64_t state_ns = 0;
+  std::int64_t exposure_ns = 0;
+  std::int64_t plan_ns = 0;
+  bool tracking = false;  // the law follows a plan (not waiting, holding or stopped)
+  Eigen::Vector3d p_WE_desired = Eigen::Vector3d::Zero();  // [m]
+};
+
+/// plan
+struct PlanRow {
+  std::int64_t time_ns = 0;
+  std::int64_t exposure_ns = 0;
+  bool rolling = false;    // roll or return: the task itself, after the approach
+  bool truncated = false;  // the deadline struck
+  bool fallback = false;   // no solution: an older or a safe one was sent
+  double solve_time = 0;   // 0 where nothing was solved [s]
+};
+
+/// ball/estimate
+struct EstimateRow {
+  std::int64_t time_ns = 0;
+  std::int64_t exposure_ns = 0;
+  int ball = 0;
+  bool valid = false;
+  int cameras_used = 0;
+  Eigen::Vector3d p_measured = Eigen::Vector3d::Zero();  // before the low-pass filter [m]
+};
+
+struct Series {
+  std::vector<SceneRow> scene;
+  std::vector<StateRow> state;
+  std::vector<CommandRow> command;
+  std::vector<PlanRow> plan;
+  std::vector<EstimateRow> estimate;
+};
+
+}  // namespace c3rt::cli
