@@ -26,6 +26,7 @@ DetectorParameters load_detector(config::Section section) {
   p.hough_edge = section.number("hough_edge", {1, 255});
   p.hough_votes = section.number("hough_votes", {1, 500});
   p.radius_tolerance = section.number("radius_tolerance", {0.02, 0.6});
+  p.search_radius_tolerance = section.number("search_radius_tolerance", {0.02, 0.9});
   p.rays = section.integer("rays", {16, 720});
   p.edge_contrast = section.number("edge_contrast", {1, 255});
   p.inlier = section.number("inlier_px", {0.1, 5});

@@ -22,6 +22,7 @@ detector:
   hough_edge: 60
   hough_votes: 8
   radius_tolerance: 0.25
+  search_radius_tolerance: 0.4
   rays: 72
   edge_contrast: 12
   inlier_px: 0.7

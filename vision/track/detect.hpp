@@ -28,7 +28,8 @@ struct DetectorParameters {
   double hough_resolution;  // accumulator's cell [px of the image]
   double hough_edge;        // threshold of the edge detector [grey levels]
   double hough_votes;       // threshold of the accumulator
-  double radius_tolerance;  // relative deviation from the expected radius that the Hough transform allows
+  double radius_tolerance;  // relative deviation from the expected radius that the Hough transform allows ...
+  double search_radius_tolerance;  // ... and in the search, where the distance is unknown
   int rays;                 // radial profiles for the sub-pixel fit
   double edge_contrast;     // drop of the profile below which there is no edge [grey levels]
   double inlier;            // distance from the outline within which an edge belongs to it [px]
