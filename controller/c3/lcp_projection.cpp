@@ -1,0 +1,50 @@
+#include "controller/c3/projection.hpp"
+#include "controller/lcs/lemke.hpp"
+
+namespace c3rt::c3 {
+namespace {
+
+using Eigen::VectorXd;
+
+class LcpProjection final : public Projection {
+ public:
+  explicit LcpProjection(const Sizes& sizes)
+      : sizes_(sizes), lemke_(sizes.n_lambda), difference_(sizes.n_z()), weighted_(sizes.n_z()) {}
+
+  void set_weight(const Eigen::MatrixXd& U) override { U_ = U; }
+
+  void start(const lcs::Lcs& lcs) noexcept override { lcs_ = &lcs; }
+
+  ProjectionReport project(const Eigen::Ref<const VectorXd>& v, Eigen::Ref<VectorXd> delta,
+                           const Deadline&) noexcept override {
+    delta = v;
+    if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
+    VectorXd& q = lemke_.q();
+    q = lcs_->c;
+    q.noalias() += lcs_->E * sizes_.x(v);
+    q.noalias() += lcs_->H * sizes_.u(v);
+    const lcs::LcpReport lcp = lemke_.solve_regularised(lcs_->F, q, sizes_.lambda(delta));
+    if (lcp.status != lcs::LcpStatus::kSolved) {
+      delta = v;
+      return {ProjectionStatus::kNone, lcp.pivots, 0.0};
+    }
+    difference_ = delta - v;
+    weighted_.noalias() = U_ * difference_;
+    return {ProjectionStatus::kSolved, lcp.pivots, difference_.dot(weighted_)};
+  }
+
+ private:
+  Sizes sizes_;
+  lcs::Lemke lemke_;
+  const lcs::Lcs* lcs_ = nullptr;
+  Eigen::MatrixXd U_;
+  VectorXd difference_, weighted_;
+};
+
+}  // namespace
+
+std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes) {
+  return std::make_unique<LcpProjection>(sizes);
+}
+
+}  // namespace c3rt::c3

@@ -1,0 +1,305 @@
+#include <osqp.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "controller/c3/qp.hpp"
+
+namespace c3rt::c3 {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A sparse matrix in compressed columns whose pattern is fixed and whose values are rewritten.
+struct Sparse {
+  Sparse(int n_rows, int n_cols) : rows(n_rows), cols(n_cols) { column_start.push_back(0); }
+
+  /// Appends an entry to the column being built; returns where its value lies.
+  void add(int row, double value) {
+    row_index.push_back(row);
+    values.push_back(value);
+  }
+  void end_column() { column_start.push_back(static_cast<c_int>(values.size())); }
+
+  csc view() {
+    return {static_cast<c_int>(values.size()), rows, cols, column_start.data(), row_index.data(),
+            values.data(), -1};
+  }
+
+  c_int rows, cols;
+  std::vector<c_int> column_start, row_index;
+  std::vector<c_float> values;
+};
+
+double bound_at(const VectorXd& bound, int i, double none) {
+  return bound.size() == 0 ? none : bound[i];
+}
+
+/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then the bounded coordinates.
+class OsqpQp final : public QpStep {
+ public:
+  OsqpQp(const Sizes& sizes, const OsqpSettings& settings)
+      : sizes_(sizes),
+        osqp_(settings),
+        n_variables_(sizes.N * sizes.n_z() + sizes.n_x),
+        q_(VectorXd::Zero(n_variables_)),
+        stage_(sizes.n_z()),
+        difference_(sizes.n_x) {}
+
+  ~OsqpQp() override { osqp_cleanup(work_); }
+  OsqpQp(const OsqpQp&) = delete;
+  OsqpQp& operator=(const OsqpQp&) = delete;
+
+  void set_costs(const Costs& costs, const Bounds& bounds) override {
+    Q_ = costs.Q;
+    Q_N_ = costs.Q_N;
+    R_ = costs.R;
+    G_ = costs.G;
+    cost_of_z_ = MatrixXd::Zero(sizes_.n_z(), sizes_.n_z());
+    cost_of_z_.topLeftCorner(sizes_.n_x, sizes_.n_x) = Q_;
+    cost_of_z_.bottomRightCorner(sizes_.n_u, sizes_.n_u) = R_;
+    lay_out_bounds(bounds);
+    lay_out_cost();
+    lay_out_constraints();
+
+    osqp_cleanup(work_);
+    work_ = nullptr;
+    OSQPSettings settings;
+    osqp_set_default_settings(&settings);
+    settings.verbose = 0;
+    settings.max_iter = osqp_.max_iterations;
+    settings.eps_abs = settings.eps_rel = osqp_.eps;
+    settings.rho = osqp_.rho;
+    settings.adaptive_rho = osqp_.adaptive_rho_interval > 0 ? 1 : 0;
+    settings.adaptive_rho_interval = osqp_.adaptive_rho_interval;
+    settings.polish = osqp_.polish ? 1 : 0;
+    settings.polish_refine_iter = 10;
+    q_.setZero();
+    csc P = P_.view(), A = A_.view();
+    OSQPData data;
+    data.n = n_variables_;
+    data.m = static_cast<c_int>(lower_.size());
+    data.P = &P;
+    data.A = &A;
+    data.q = q_.data();
+    data.l = lower_.data();
+    data.u = upper_.data();
+    if (const c_int error = osqp_setup(&work_, &data, &settings); error != 0) {
+      osqp_cleanup(work_);
+      work_ = nullptr;
+      throw std::runtime_error("OSQP: set-up failed with error " + std::to_string(error));
+    }
+  }
+
+  void start(Horizon lcs) noexcept override {
+    lcs_ = lcs;
+    write_constraints();
+    started_ = false;
+    weight_rho_ = 0.0;
+  }
+
+  QpReport solve(double rho, const Eigen::Ref<const VectorXd>& x0,
+                 const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& r,
+                 Eigen::Ref<MatrixXd> z, Eigen::Ref<VectorXd> x_N) noexcept override {
+    bool failed = false;
+    if (rho != weight_rho_) {
+      write_cost(rho);
+      // OSQP's scaling looks at q as well; of zero it makes nothing, so no earlier q can show in it
+      q_.setZero();
+      failed |= osqp_update_lin_cost(work_, q_.data()) != 0;
+      failed |= osqp_update_P_A(work_, P_.values.data(), nullptr, P_.values.size(),
+                                A_.values.data(), nullptr, A_.values.size()) != 0;
+      weight_rho_ = rho;
+    }
+    if (!started_) {
+      // nothing of an earlier problem may show in this one: neither its iterates nor the penalty
+      // that OSQP adapted to it
+      failed |= osqp_update_rho(work_, osqp_.rho) != 0;
+      std::fill(work_->x, work_->x + n_variables_, 0.0);
+      std::fill(work_->y, work_->y + lower_.size(), 0.0);
+      std::fill(work_->z, work_->z + lower_.size(), 0.0);
+      started_ = true;
+    }
+    write_linear_terms(rho, x0, x_desired, r);
+    failed |= osqp_update_lin_cost(work_, q_.data()) != 0;
+    failed |= osqp_update_bounds(work_, lower_.data(), upper_.data()) != 0;
+    failed |= osqp_solve(work_) != 0;
+    if (failed) {
+      return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+    }
+
+    const OSQPInfo& info = *work_->info;
+    const int iterations = static_cast<int>(info.iter);
+    const double residual = std::max(info.pri_res, info.dua_res);
+    switch (info.status_val) {
+      case OSQP_SOLVED:
+      case OSQP_SOLVED_INACCURATE:
+      case OSQP_MAX_ITER_REACHED:
+        break;
+      case OSQP_NON_CVX:
+        return {QpStatus::kNotFactorable, iterations, residual};
+      default:
+        return {QpStatus::kInfeasible, iterations, residual};
+    }
+    const Eigen::Map<const VectorXd> solution(work_->solution->x, n_variables_);
+    for (int k = 0; k < sizes_.N; ++k) z.col(k) = solution.segment(k * sizes_.n_z(), sizes_.n_z());
+    x_N = solution.tail(sizes_.n_x);
+    return {info.status_val == OSQP_SOLVED ? QpStatus::kSolved : QpStatus::kIterationLimit,
+            iterations, residual};
+  }
+
+ private:
+  void lay_out_bounds(const Bounds& bounds) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    VectorXd z_min(sizes_.n_z()), z_max(sizes_.n_z());
+    for (int i = 0; i < sizes_.n_x; ++i) {
+      z_min[i] = bound_at(bounds.x_min, i, -kNone);
+      z_max[i] = bound_at(bounds.x_max, i, kNone);
+    }
+    for (int i = 0; i < sizes_.n_lambda; ++i) {
+      sizes_.lambda(z_min)[i] = bound_at(bounds.lambda_min, i, -kNone);
+      sizes_.lambda(z_max)[i] = bound_at(bounds.lambda_max, i, kNone);
+    }
+    for (int i = 0; i < sizes_.n_u; ++i) {
+      sizes_.u(z_min)[i] = bound_at(bounds.u_min, i, -kNone);
+      sizes_.u(z_max)[i] = bound_at(bounds.u_max, i, kNone);
+    }
+    const int n_equalities = (sizes_.N + 1) * sizes_.n_x;
+    lower_.assign(n_equalities, 0.0);
+    upper_.assign(n_equalities, 0.0);
+    bound_row_.assign(sizes_.N * sizes_.n_z(), -1);
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int i = k == 0 ? sizes_.n_x : 0; i < sizes_.n_z(); ++i) {  // x_0 is given
+        if (z_min[i] == -kNone && z_max[i] == kNone) continue;
+        bound_row_[k * sizes_.n_z() + i] = static_cast<int>(lower_.size());
+        lower_.push_back(std::max(z_min[i], -OSQP_INFTY));
+        upper_.push_back(std::min(z_max[i], OSQP_INFTY));
+      }
+    }
+  }
+
+  /// Upper triangle of the Hessian; zeros of all its parts are left out for good.
+  void lay_out_cost() {
+    P_ = Sparse(n_variables_, n_variables_);
+    const int n_z = sizes_.n_z();
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int col = 0; col < n_z; ++col) {
+        for (int row = 0; row <= col; ++row) {
+          if (in_cost(row, col)) P_.add(k * n_z + row, 0.0);
+        }
+        P_.end_column();
+      }
+    }
+    for (int col = 0; col < sizes_.n_x; ++col) {
+      for (int row = 0; row <= col; ++row) {
+        if (row == col || Q_N_(row, col) != 0.0) P_.add(sizes_.N * n_z + row, 0.0);
+      }
+      P_.end_column();
+    }
+    write_cost(1.0);
+  }
+
+  bool in_cost(int row, int col) const {
+    return row == col || cost_of_z_(row, col) != 0.0 || G_(row, col) != 0.0;
+  }
+
+  void write_cost(double rho) noexcept {
+    std::size_t at = 0;
+    const int n_z = sizes_.n_z();
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int col = 0; col < n_z; ++col) {
+        for (int row = 0; row <= col; ++row) {
+          if (in_cost(row, col)) {
+            P_.values[at++] = 2.0 * (cost_of_z_(row, col) + rho * G_(row, col));
+          }
+        }
+      }
+    }
+    for (int col = 0; col < sizes_.n_x; ++col) {
+      for (int row = 0; row <= col; ++row) {
+        if (row == col || Q_N_(row, col) != 0.0) P_.values[at++] = 2.0 * Q_N_(row, col);
+      }
+    }
+  }
+
+  /// The blocks [A D B] are laid out full, so that any system fits the pattern.
+  void lay_out_constraints() {
+    A_ = Sparse(static_cast<int>(lower_.size()), n_variables_);
+    const int n_x = sizes_.n_x, n_z = sizes_.n_z();
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int col = 0; col < n_z; ++col) {
+        if (col < n_x) A_.add(k * n_x + col, -1.0);
+        for (int row = 0; row < n_x; ++row) A_.add((k + 1) * n_x + row, 0.0);
+        if (const int row = bound_row_[k * n_z + col]; row >= 0) A_.add(row, 1.0);
+        A_.end_column();
+      }
+    }
+    for (int col = 0; col < n_x; ++col) {
+      A_.add(sizes_.N * n_x + col, -1.0);
+      A_.end_column();
+    }
+  }
+
+  void write_constraints() noexcept {
+    const int n_x = sizes_.n_x, n_z = sizes_.n_z();
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int col = 0; col < n_z; ++col) {
+        double* values = &A_.values[A_.column_start[k * n_z + col]];
+        if (col < n_x) ++values;  // the −1 of x_k
+        const auto block =
+            col < n_x ? lcs_[k].A.col(col)
+                      : col < n_x + sizes_.n_lambda ? lcs_[k].D.col(col - n_x)
+                                                    : lcs_[k].B.col(col - n_x - sizes_.n_lambda);
+        std::copy_n(block.data(), n_x, values);
+      }
+    }
+  }
+
+  void write_linear_terms(double rho, const Eigen::Ref<const VectorXd>& x0,
+                          const Eigen::Ref<const MatrixXd>& x_desired,
+                          const Eigen::Ref<const MatrixXd>& r) noexcept {
+    const int n_x = sizes_.n_x, n_z = sizes_.n_z();
+    for (int k = 0; k < sizes_.N; ++k) {
+      stage_.noalias() = G_ * r.col(k);
+      stage_ *= rho;
+      difference_ = x_desired.col(k);
+      stage_.head(n_x).noalias() += Q_ * difference_;
+      q_.segment(k * n_z, n_z) = -2.0 * stage_;
+    }
+    difference_.noalias() = Q_N_ * x_desired.col(sizes_.N);
+    q_.tail(n_x) = -2.0 * difference_;
+    for (int i = 0; i < n_x; ++i) lower_[i] = upper_[i] = -x0[i];
+    for (int k = 0; k < sizes_.N; ++k) {
+      for (int i = 0; i < n_x; ++i) {
+        lower_[(k + 1) * n_x + i] = upper_[(k + 1) * n_x + i] = -lcs_[k].d[i];
+      }
+    }
+  }
+
+  Sizes sizes_;
+  OsqpSettings osqp_;
+  int n_variables_;
+  MatrixXd Q_, Q_N_, R_, G_;
+  MatrixXd cost_of_z_;  // blkdiag(Q, 0, R)
+  Sparse P_{0, 0}, A_{0, 0};
+  std::vector<int> bound_row_;  // of coordinate i of z_k at k n_z + i, or −1
+  VectorXd q_;
+  std::vector<c_float> lower_, upper_;
+  Horizon lcs_{nullptr, 0};
+  bool started_ = false;
+  double weight_rho_ = 0.0;
+  OSQPWorkspace* work_ = nullptr;
+  VectorXd stage_, difference_;
+};
+
+}  // namespace
+
+std::unique_ptr<QpStep> make_osqp_qp(const Sizes& sizes, const OsqpSettings& settings) {
+  return std::make_unique<OsqpQp>(sizes, settings);
+}
+
+}  // namespace c3rt::c3

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "controller/c3/problem.hpp"
+
+namespace c3rt::c3 {
+
+enum class QpStatus {
+  kSolved,
+  kIterationLimit,  // the last iterate is returned; its residual says how far it got
+  kInfeasible,      // the bounds cannot be met
+  kNotFactorable,   // not convex, or beyond double precision
+};
+
+struct QpReport {
+  QpStatus status;
+  int iterations;   // OSQP iterations, or refinements of the direct solution
+  double residual;  // of the optimality conditions, relative to their largest term
+};
+
+/// The quadratic step [C3, eq. (21)]: minimises over x_1 … x_N, λ, u, with r = δ − w,
+///
+///   Σ_{k<N} (x_k−x_d,k)ᵀQ(·) + u_kᵀR u_k + (z_k−r_k)ᵀ ρG (z_k−r_k)  +  (x_N−x_d,N)ᵀQ_N(·)
+///
+/// subject to x_{k+1} = A x_k + B u_k + D λ_k + d, x_0 given, and the bounds.
+class QpStep {
+ public:
+  virtual ~QpStep() = default;
+
+  /// Costs and bounds that passed `check`. May allocate.
+  virtual void set_costs(const Costs& costs, const Bounds& bounds) = 0;
+
+  /// Takes the system of a new problem, which must outlive the calls of `solve`, and forgets every
+  /// earlier iterate, so that the same problem gives the same bits. RT as `solve`.
+  virtual void start(Horizon lcs) noexcept = 0;
+
+  /// Warm-starts from `z`, `x_N` (taken from the previous call, if any since `start`) and overwrites
+  /// them. x_desired: (n_x × N+1); r, z: (n_z × N). RT: no heap, no lock, no throw (with OSQP: no
+  /// heap unless it polishes).
+  [[nodiscard]] virtual QpReport solve(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
+                                       const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+                                       const Eigen::Ref<const Eigen::MatrixXd>& r,
+                                       Eigen::Ref<Eigen::MatrixXd> z,
+                                       Eigen::Ref<Eigen::VectorXd> x_N) noexcept = 0;
+};
+
+/// Settings of OSQP. Iteration counts, never times, decide its answer.
+struct OsqpSettings {
+  int max_iterations;
+  double eps;                 // absolute and relative tolerance
+  double rho;                 // its own penalty parameter, at the start of every solve
+  int adaptive_rho_interval;  // iterations between adaptations of that; 0: never
+  bool polish;                // solve the KKT system of the active bounds at the end (allocates)
+};
+
+/// Solution by the Riccati recursion over the augmented input ν = [λ; u], refined until the
+/// gradient no longer shrinks. Refuses bounds with std::invalid_argument.
+std::unique_ptr<QpStep> make_direct_qp(const Sizes& sizes);
+
+/// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in `set_costs`.
+std::unique_ptr<QpStep> make_osqp_qp(const Sizes& sizes, const OsqpSettings& settings);
+
+}  // namespace c3rt::c3
