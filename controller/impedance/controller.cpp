@@ -1,0 +1,232 @@
+#include "controller/impedance/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace c3rt::impedance {
+
+namespace {
+
+constexpr double kSecondsPerNs = 1e-9;
+constexpr double kQuaternionTolerance = 1e-2;  // a norm farther from 1 is no orientation
+
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
+  return static_cast<double>(to_ns - from_ns) * kSecondsPerNs;
+}
+
+bool is_finite(const Plan& plan) noexcept {
+  return plan.p_WE.allFinite() && plan.v_WE.allFinite() && plan.q_WE.coeffs().allFinite() &&
+         plan.force_E.allFinite() && std::isfinite(plan.delta_t_c);
+}
+
+StopReason reason_of(StateFault fault) noexcept {
+  switch (fault) {
+    case StateFault::kStale: return StopReason::kStateStale;
+    case StateFault::kNotFinite: return StopReason::kStateNotFinite;
+    case StateFault::kJointPosition: return StopReason::kJointPosition;
+    case StateFault::kJointVelocity: return StopReason::kJointVelocity;
+    case StateFault::kNone: break;
+  }
+  return StopReason::kRequested;
+}
+
+/// The point at most `step` away from `from` on the way to `to`.
+Eigen::Vector3d move_towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) noexcept {
+  const double distance = (to - from).norm();
+  return distance <= step ? to : Eigen::Vector3d(from + (to - from) * (step / distance));
+}
+
+Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to, double step) noexcept {
+  const double angle = from.angularDistance(to);
+  return angle <= step ? to : from.slerp(step / angle, to).normalized();
+}
+
+}  // namespace
+
+StateFault judge_state(const Input& input, const Limits& limits) noexcept {
+  if (seconds_between(input.state_stamp_ns, input.now_ns) > limits.state_timeout) return StateFault::kStale;
+  if (!input.q.allFinite() || !input.dq.allFinite()) return StateFault::kNotFinite;
+  if ((input.q.array() < limits.q_min.array()).any() || (input.q.array() > limits.q_max.array()).any()) {
+    return StateFault::kJointPosition;
+  }
+  if ((input.dq.array().abs() > limits.dq_max.array()).any()) return StateFault::kJointVelocity;
+  return StateFault::kNone;
+}
+
+PlanVerdict judge_plan(const Input& input, const Limits& limits) noexcept {
+  if (!input.has_plan) return PlanVerdict::kNone;
+  const Plan& plan = input.plan;
+  if (plan.session_id == 0 || plan.session_id != input.session_id) return PlanVerdict::kOtherSession;
+  if (plan.status == PlanStatus::kUnknown || !is_finite(plan) || plan.delta_t_c < 0.0 ||
+      std::abs(plan.q_WE.norm() - 1.0) > kQuaternionTolerance) {
+    return PlanVerdict::kInvalid;
+  }
+  if (input.now_ns > plan.valid_until_ns ||
+      seconds_between(plan.stamp_ns, input.now_ns) > limits.plan_timeout) {
+    return PlanVerdict::kStale;
+  }
+  return PlanVerdict::kGood;
+}
+
+const char* to_text(StopReason reason) noexcept {
+  switch (reason) {
+    case StopReason::kNone: return "not stopped";
+    case StopReason::kRequested: return "a stop was requested";
+    case StopReason::kStateStale: return "the robot state is stale";
+    case StopReason::kStateNotFinite: return "the robot state is not finite";
+    case StopReason::kJointPosition: return "a joint position is outside its limits";
+    case StopReason::kJointVelocity: return "a joint velocity is outside its limits";
+    case StopReason::kTorqueNotFinite: return "the law gave a torque that is not finite";
+  }
+  return "unknown";
+}
+
+Controller::Controller(const Parameters& parameters, model::Arm arm)
+    : parameters_(parameters), arm_(std::move(arm)) {
+  arm_.update(Vector7d::Zero(), Vector7d::Zero(), state_);
+  rest_here();
+}
+
+Output Controller::step(const Input& input) noexcept {
+  if (input.has_state && input.session_id != session_id_) meet_new_robot(input.session_id);
+  change_mode(input);
+
+  if (mode_ != Mode::kWait) {
+    const bool state_usable = fault_ != StateFault::kStale && fault_ != StateFault::kNotFinite;
+    Vector7d wanted = Vector7d::Zero();
+    if (state_usable) {
+      arm_.update(input.q, input.dq, state_);
+      // an old velocity damps nothing, so without a usable state the torque fades out instead
+      wanted = mode_ == Mode::kStop ? Vector7d(-parameters_.limits.stop_damping * (state_.M * input.dq))
+                                    : law_torque(input);
+    }
+    if (!wanted.allFinite()) {
+      wanted.setZero();
+      if (mode_ != Mode::kStop) ++counters_.stops;
+      mode_ = Mode::kStop;
+      stop_reason_ = StopReason::kTorqueNotFinite;
+    }
+    tau_ = limited(wanted);
+  }
+
+  Output output;
+  output.mode = mode_;
+  output.tau = tau_;
+  output.p_WE_desired = reference_.p_WE;
+  output.v_WE_desired = reference_.v_WE;
+  output.q_WE_desired = reference_.q_WE;
+  output.stop_reason = stop_reason_;
+  output.plan = plan_verdict_;
+  output.counters = counters_;
+  return output;
+}
+
+void Controller::meet_new_robot(std::uint64_t session_id) noexcept {
+  session_id_ = session_id;
+  mode_ = Mode::kWait;
+  stop_reason_ = StopReason::kNone;
+  judged_plan_ns_ = 0;
+  tau_.setZero();
+}
+
+void Controller::change_mode(const Input& input) noexcept {
+  plan_verdict_ = judge_plan(input, parameters_.limits);
+  if (input.has_plan && input.plan.stamp_ns != judged_plan_ns_) {
+    judged_plan_ns_ = input.plan.stamp_ns;
+    if (plan_verdict_ == PlanVerdict::kOtherSession) ++counters_.plans_other_session;
+    if (plan_verdict_ == PlanVerdict::kInvalid) ++counters_.plans_invalid;
+  }
+  fault_ = judge_state(input, parameters_.limits);
+
+  Health health{};
+  health.state_seen = input.has_state;
+  health.state_good = fault_ == StateFault::kNone;
+  health.robot_moves = input.robot_moves;
+  health.plan_good = plan_verdict_ == PlanVerdict::kGood;
+  health.stop = input.stop;
+  health.recover = input.recover;
+  const Mode before = mode_;
+  mode_ = next(before, health);
+
+  if (mode_ == Mode::kStop && before != Mode::kStop) {
+    ++counters_.stops;
+    stop_reason_ = reason_of(fault_);
+  }
+  if (mode_ != Mode::kStop) stop_reason_ = StopReason::kNone;
+  if (before == Mode::kTrack && mode_ == Mode::kHold && plan_verdict_ == PlanVerdict::kStale) {
+    ++counters_.stale_plan_events;
+  }
+
+  const bool moving = mode_ == Mode::kHold || mode_ == Mode::kTrack;
+  if (!moving) return;
+  const bool was_moving = before == Mode::kHold || before == Mode::kTrack;
+  if (!was_moving || before != mode_ || !input.robot_moves) {
+    arm_.update(input.q, input.dq, state_);
+    X_WE_hold_ = state_.X_WE;
+    // a robot that was not under our control is wherever it is: start from there
+    if (!was_moving || !input.robot_moves) rest_here();
+  }
+}
+
+void Controller::rest_here() noexcept {
+  reference_.p_WE = state_.X_WE.translation();
+  reference_.v_WE.setZero();
+  reference_.q_WE = Eigen::Quaterniond(state_.X_WE.linear());
+  reference_.force_E.setZero();
+}
+
+void Controller::move_reference(const Input& input) noexcept {
+  const Limits& limits = parameters_.limits;
+  Goal target;
+  target.p_WE = X_WE_hold_.translation();
+  target.v_WE.setZero();
+  target.q_WE = Eigen::Quaterniond(X_WE_hold_.linear());
+  target.force_E.setZero();
+
+  if (mode_ == Mode::kTrack) {
+    const Plan& plan = input.plan;
+    target.p_WE = plan.p_WE;
+    target.v_WE = plan.v_WE;
+    target.q_WE = plan.q_WE.normalized();
+    if (parameters_.reference == Reference::kInterpolate) {
+      const double to_go = plan.delta_t_c - seconds_between(plan.stamp_ns, input.now_ns);
+      target.p_WE -= plan.v_WE * std::max(to_go, 0.0);
+      if (to_go <= 0.0) target.v_WE.setZero();
+    }
+    const Eigen::Vector3d inside = target.p_WE.cwiseMax(limits.workspace_min).cwiseMin(limits.workspace_max);
+    if (inside != target.p_WE) {
+      ++counters_.workspace_clamps;
+      target.v_WE = (inside.array() == target.p_WE.array()).select(target.v_WE, 0.0);
+      target.p_WE = inside;
+    }
+    target.v_WE = move_towards(Eigen::Vector3d::Zero(), target.v_WE, limits.reference_speed);
+    if (parameters_.feed_forward && plan.status != PlanStatus::kFallback &&
+        plan.force_E.norm() > parameters_.feed_forward_threshold) {
+      target.force_E = plan.force_E;
+    }
+  }
+
+  reference_.p_WE = move_towards(reference_.p_WE, target.p_WE, limits.reference_speed * parameters_.period);
+  reference_.q_WE =
+      turn_towards(reference_.q_WE, target.q_WE, limits.reference_angular_speed * parameters_.period);
+  reference_.v_WE = target.v_WE;
+  reference_.force_E = target.force_E;
+}
+
+Vector7d Controller::law_torque(const Input& input) noexcept {
+  move_reference(input);
+  return torque(parameters_.gains, state_, input.q, input.dq, reference_);
+}
+
+Vector7d Controller::limited(const Vector7d& wanted) noexcept {
+  const Limits& limits = parameters_.limits;
+  const Vector7d clamped = wanted.cwiseMin(limits.tau_max).cwiseMax(-limits.tau_max);
+  if (clamped != wanted) ++counters_.torque_clamps;
+  const Vector7d step = Vector7d::Constant(limits.tau_rate_max * parameters_.period);
+  const Vector7d slewed = clamped.cwiseMin(tau_ + step).cwiseMax(tau_ - step);
+  if (slewed != clamped) ++counters_.torque_rate_clamps;
+  return slewed;
+}
+
+}  // namespace c3rt::impedance

@@ -1,0 +1,132 @@
+#pragma once
+// One cycle of the impedance process as a function: newest samples in, torque out. Knows no bus, thread or clock.
+#include <cstdint>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "controller/impedance/law.hpp"
+#include "controller/impedance/mode.hpp"
+#include "controller/impedance/parameters.hpp"
+#include "controller/model/arm.hpp"
+
+namespace c3rt::impedance {
+
+enum class PlanStatus {
+  kOk,
+  kTruncated,  // the planner's deadline struck: less optimal, still a plan
+  kFallback,   // the planner's substitute for a failed solve: tracked, its force is not fed forward
+  kUnknown,    // no value that we know: not tracked
+};
+
+struct Plan {
+  std::uint64_t session_id = 0;
+  std::int64_t stamp_ns = 0;
+  std::int64_t valid_until_ns = 0;
+  PlanStatus status = PlanStatus::kUnknown;
+  Eigen::Vector3d p_WE = Eigen::Vector3d::Zero();  // x_d [m]
+  Eigen::Vector3d v_WE = Eigen::Vector3d::Zero();  // [m/s]
+  Eigen::Quaterniond q_WE = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d force_E = Eigen::Vector3d::Zero();  // that the contacts exert on the end effector, in W [N]
+  double delta_t_c = 0.0;                             // x_d is the state at stamp + delta_t_c [s]
+};
+
+/// The newest samples; a caller that never received one says so. A plan is given from its stamp on, not before.
+struct Input {
+  std::int64_t now_ns = 0;
+
+  bool has_state = false;
+  std::uint64_t session_id = 0;  // of the robot state
+  std::int64_t state_stamp_ns = 0;
+  Vector7d q = Vector7d::Zero();
+  Vector7d dq = Vector7d::Zero();
+  bool robot_moves = false;  // takes commands: no reflex, not stopped by its user
+
+  bool has_plan = false;
+  Plan plan;
+
+  bool stop = false;     // requests of a person, true for one cycle
+  bool recover = false;
+};
+
+/// What is wrong with the robot state; anything but kNone stops the arm.
+enum class StateFault { kNone, kStale, kNotFinite, kJointPosition, kJointVelocity };
+StateFault judge_state(const Input& input, const Limits& limits) noexcept;
+
+enum class PlanVerdict { kGood, kNone, kOtherSession, kInvalid, kStale };
+PlanVerdict judge_plan(const Input& input, const Limits& limits) noexcept;
+
+enum class StopReason {
+  kNone,
+  kRequested,
+  kStateStale,
+  kStateNotFinite,
+  kJointPosition,
+  kJointVelocity,
+  kTorqueNotFinite,
+};
+/// For a person: "the robot state is stale".
+const char* to_text(StopReason reason) noexcept;
+
+/// Since the start, in cycles unless said otherwise.
+struct Counters {
+  std::uint64_t stale_plan_events = 0;    // times that a tracked plan became too old
+  std::uint64_t plans_other_session = 0;  // plans refused: of another session
+  std::uint64_t plans_invalid = 0;        // plans refused: not finite, or of an unknown status
+  std::uint64_t workspace_clamps = 0;     // the plan was outside the box
+  std::uint64_t torque_clamps = 0;
+  std::uint64_t torque_rate_clamps = 0;
+  std::uint64_t stops = 0;                // times that the arm was stopped
+};
+
+struct Output {
+  Mode mode;                       // kWait: nothing may be sent
+  Vector7d tau;                    // without gravity [N m]
+  Eigen::Vector3d p_WE_desired;    // what the law tracked [m]
+  Eigen::Vector3d v_WE_desired;    // [m/s]
+  Eigen::Quaterniond q_WE_desired;
+  StopReason stop_reason;
+  PlanVerdict plan;
+  Counters counters;
+};
+
+/// The impedance controller at a fixed rate.
+///
+/// The reference never jumps: it moves towards the plan (or the pose to hold) at most at the limits' speeds, and the
+/// torque changes at most by tau_rate_max * period per cycle. A robot of a new session is a new robot: all memory of
+/// the old one, a latched stop included, is dropped.
+class Controller {
+ public:
+  Controller(const Parameters& parameters, model::Arm arm);
+
+  /// RT: no heap, no lock, no throw.
+  Output step(const Input& input) noexcept;
+
+  /// The arm as of the last step that was not kWait.
+  const ArmState& arm() const noexcept { return state_; }
+
+ private:
+  void meet_new_robot(std::uint64_t session_id) noexcept;
+  void change_mode(const Input& input) noexcept;
+  void rest_here() noexcept;
+  void move_reference(const Input& input) noexcept;
+  Vector7d law_torque(const Input& input) noexcept;
+  Vector7d limited(const Vector7d& wanted) noexcept;
+
+  const Parameters parameters_;
+  model::Arm arm_;
+  ArmState state_;
+
+  std::uint64_t session_id_ = 0;
+  Mode mode_ = Mode::kWait;
+  StopReason stop_reason_ = StopReason::kNone;
+  StateFault fault_ = StateFault::kNone;
+  PlanVerdict plan_verdict_ = PlanVerdict::kNone;
+  std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
+  Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();
+  Goal reference_;
+  Vector7d tau_ = Vector7d::Zero();
+  Counters counters_;
+};
+
+}  // namespace c3rt::impedance

@@ -1,0 +1,48 @@
+#include "controller/impedance/law.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace c3rt::impedance {
+
+Vector6d pose_error(const Eigen::Isometry3d& X_WE, const Eigen::Vector3d& p_WE_desired,
+                    const Eigen::Quaterniond& q_WE_desired) noexcept {
+  const Eigen::Quaterniond q_WE(X_WE.linear());
+  const Eigen::Quaterniond q_error = q_WE_desired * q_WE.conjugate();
+  const double short_way = q_error.w() < 0.0 ? -1.0 : 1.0;
+  Vector6d e;
+  e << p_WE_desired - X_WE.translation(), short_way * q_error.vec();
+  return e;
+}
+
+TaskInertia task_inertia(const ArmState& arm) noexcept {
+  const Eigen::Matrix<double, 7, 6> M_inverse_JT = arm.M.llt().solve(arm.J_WE.transpose());
+  const Matrix6d mobility = arm.J_WE * M_inverse_JT;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(mobility);
+  const Vector6d inertia = eigen.eigenvalues().cwiseMax(kSmallestMobility).cwiseInverse();
+
+  TaskInertia result;
+  result.Lambda = eigen.eigenvectors() * inertia.asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::Matrix<double, 7, 6> J_bar = M_inverse_JT * result.Lambda;
+  result.N = Matrix7d::Identity() - arm.J_WE.transpose() * J_bar.transpose();
+  return result;
+}
+
+Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept {
+  return -J_WE.topRows<3>().transpose() * force_E;
+}
+
+Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
+                const Goal& goal) noexcept {
+  const TaskInertia task = task_inertia(arm);
+  const Vector6d e = pose_error(arm.X_WE, goal.p_WE, goal.q_WE);
+  Vector6d e_dot = -arm.V_WE;
+  e_dot.head<3>() += goal.v_WE;
+
+  const Vector6d wrench = task.Lambda * (gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot));
+  const Vector7d posture = gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
+  return arm.J_WE.transpose() * wrench + arm.coriolis + feed_forward_torque(arm.J_WE, goal.force_E) +
+         task.N * posture;
+}
+
+}  // namespace c3rt::impedance

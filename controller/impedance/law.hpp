@@ -1,0 +1,76 @@
+#pragma once
+// The operational-space impedance law of the paper's appendix D, eq. (36). Pure functions of the arm's state.
+//
+//   u = J_f^T Λ [K 0; 0 B] x̃^e + C_f + τ_ff + N_f (K_n (q_d - q) + B_n (q̇_d - q̇))                        (36)
+//   Λ = (J_f M_f⁻¹ J_f^T)⁻¹
+//
+// Gravity is not in it: the robot compensates its own.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "controller/model/arm.hpp"
+
+namespace c3rt::impedance {
+
+using model::ArmState;
+using model::Matrix67d;
+using model::Matrix6d;
+using model::Matrix7d;
+using model::Vector6d;
+using model::Vector7d;
+
+/// K and B of eq. (36). Λ multiplies them, so they are accelerations per error, not N/m: for small errors the closed
+/// loop is ë + B ė + K e = 0 in each coordinate, whatever the arm's posture.
+struct Gains {
+  Vector6d stiffness;           // K, [translation; rotation] [1/s^2]
+  Vector6d damping;             // B, [translation; rotation] [1/s]
+  double null_space_stiffness;  // K_n [N m/rad]
+  double null_space_damping;    // B_n [N m s/rad]
+  Vector7d null_space_q;        // q_d^f [rad]
+};
+
+/// What the end effector shall do. Its angular velocity shall be zero.
+struct Goal {
+  Eigen::Vector3d p_WE;    // [m]
+  Eigen::Vector3d v_WE;    // [m/s]
+  Eigen::Quaterniond q_WE;
+  Eigen::Vector3d force_E; // λ_d as the force that the contacts exert on the end effector, in W [N]
+};
+
+/// e of x̃^e: [p_d - p; vector part of q_d q⁻¹, taken the short way round], in W. Its rotational part is half the
+/// rotation vector for small angles, so the rotational stiffness per radian is K/2.
+/// RT: no heap, no lock, no throw.
+Vector6d pose_error(const Eigen::Isometry3d& X_WE, const Eigen::Vector3d& p_WE_desired,
+                    const Eigen::Quaterniond& q_WE_desired) noexcept;
+
+/// The arm as the end effector feels it.
+struct TaskInertia {
+  Matrix6d Lambda;  // Λ [kg; kg m; kg m^2]
+  Matrix7d N;       // I - J^T J̄^T with J̄ = M⁻¹ J^T Λ: torque N τ moves the joints and not the end effector
+};
+
+/// Λ and N. Where the arm is (nearly) singular, directions in which its inverse inertia J M⁻¹ J^T falls below
+/// kSmallestMobility count with that value, so that Λ stays bounded; N is exact wherever nothing was bounded.
+/// RT: no heap, no lock, no throw.
+TaskInertia task_inertia(const ArmState& arm) noexcept;
+
+/// Smallest eigenvalue of J M⁻¹ J^T that is inverted as it is. In the task's space the arm has values above 0.05; at
+/// 0.005 the apparent inertia is 200 kg, far more than any force of ours should act on.
+constexpr double kSmallestMobility = 0.005;
+
+/// τ_ff. In (36), τ_ff = J_c^T λ_d is the reaction: the plan's λ_d acts between the ball and the end effector, and J_c
+/// there is the Jacobian of the gap for a force on the ball's side. Here the force is given as what the contacts
+/// exert on the end effector; it adds J^T f to the joints, so the law must cancel it with
+///
+///   τ_ff = -J_v^T f                                                          J_v: the linear rows of J
+///
+/// after which the end effector exerts the planned force on the ball without leaving its reference. The line of the
+/// force is taken through E: a contact normal passes there, and a tangential force's lever is the sphere's radius.
+/// RT: no heap, no lock, no throw.
+Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept;
+
+/// τ of eq. (36) without gravity; q̇_d^f = 0. [N m] RT: no heap, no lock, no throw.
+Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
+                const Goal& goal) noexcept;
+
+}  // namespace c3rt::impedance
