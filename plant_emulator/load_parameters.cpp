@@ -4,7 +4,7 @@
 
 namespace c3rt::plant {
 
-Parameters load(config::Section section) {
+Parameters load_parameters(config::Section section) {
   Parameters p{};
   p.world.table_height = section.number("table_height_m", {-0.5, 0.5});
   p.world.table_tilt = section.numbers("table_tilt_rad", 2, {-0.3, 0.3});
@@ -15,6 +15,8 @@ Parameters load(config::Section section) {
   p.world.friction.end_effector_table = friction.number("end_effector_table", {0.01, 5});
   p.world.rolling_friction = section.number("rolling_friction_m", {0, 0.005});
   p.world.step = section.number("step_s", {1e-4, 1e-3});
+  if (!divides_cycle(p.world.step))
+    section.fail("step_s", "a step that divides 0.001 s", std::to_string(p.world.step));
   p.initial_q = section.numbers("initial_q_rad", kJoints, {-4, 4});
   for (int i = 0; i < kJoints; ++i) {
     if (p.initial_q[i] < kPositionMin[i] || p.initial_q[i] > kPositionMax[i])

@@ -5,6 +5,6 @@
 namespace c3rt::plant {
 
 /// Reads the scenario's section `plant`. @throws config::ConfigError
-Parameters load(config::Section section);
+Parameters load_parameters(config::Section section);
 
 }  // namespace c3rt::plant

@@ -16,6 +16,11 @@ constexpr double kRestVelocity = 0.02;                            // [rad/s]
 
 }  // namespace
 
+bool divides_cycle(double step) noexcept {
+  const double steps = kCycle / step;
+  return steps > 0.5 && std::abs(steps - std::round(steps)) < 1e-9;
+}
+
 Plant::Plant(const Parameters& parameters)
     : parameters_(parameters),
       model_(build_model({parameters.world, {}, 1, 1, 0, ""})),
@@ -24,7 +29,7 @@ Plant::Plant(const Parameters& parameters)
       site_(mj_name2id(model_.get(), mjOBJ_SITE, "end_effector")),
       jacobian_(3, model_->nv),
       hold_q_(parameters.initial_q) {
-  if (std::abs(substeps_ * parameters.world.step - kCycle) > 1e-12)
+  if (!divides_cycle(parameters.world.step))
     throw std::invalid_argument("plant: step must divide 0.001 s");
   if ((parameters.initial_q.array() < kPositionMin.array()).any() ||
       (parameters.initial_q.array() > kPositionMax.array()).any())

@@ -25,6 +25,9 @@ constexpr double kCycle = 1e-3;            // [s]
 constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
 constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 
+/// Whether whole steps of the integration fill a cycle.
+bool divides_cycle(double step) noexcept;
+
 struct BallState {
   Eigen::Vector3d p_WB;  // [m]
   Eigen::Quaterniond q_WB;

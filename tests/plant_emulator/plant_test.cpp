@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/plant_emulator/parameters.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace c3rt::plant {
 namespace {
@@ -301,6 +302,24 @@ TEST_CASE("the same commands give the same bits") {
   CHECK(std::memcmp(a.data().qpos, b.data().qpos, bytes(a.model())) == 0);
   CHECK(std::memcmp(a.data().qvel, b.data().qvel,
                     static_cast<std::size_t>(a.model().nv) * sizeof(double)) == 0);
+}
+
+TEST_CASE("a cycle does not allocate") {
+  Plant plant(test_parameters());
+  Client client;
+  std::int64_t heap_calls = 0;
+  {
+    const support::AllocationCounter heap;
+    for (int i = 0; i < 1000; ++i) {
+      if (i == 200) plant.push_ball(0, {0.01, 0, 0});
+      if (i == 500) plant.request_stop();
+      if (i == 700) plant.request_recovery();
+      client.step(plant);
+    }
+    heap_calls = heap.count();
+  }
+  CHECK(heap_calls == 0);
+  CHECK(plant.state().mode == Mode::kMove);
 }
 
 TEST_CASE("mode table") {

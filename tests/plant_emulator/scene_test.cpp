@@ -2,12 +2,12 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include <GL/osmesa.h>
 #include <catch2/catch.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "plant_emulator/plant.hpp"
@@ -107,8 +107,14 @@ cv::Point2d project(const CameraPose& camera, const Eigen::Vector3d& p_W) {
 
 /// With C3RT_TEST_PICTURES set to a folder, a person can look at what the tests render.
 void keep(const std::string& name, const cv::Mat& image) {
-  if (const char* folder = std::getenv("C3RT_TEST_PICTURES"); folder != nullptr)
-    cv::imwrite(std::string(folder) + "/" + name + ".png", image);
+  const char* folder = std::getenv("C3RT_TEST_PICTURES");
+  if (folder == nullptr) return;
+  cv::Mat rgb;
+  cv::cvtColor(image, rgb, cv::COLOR_BGR2RGB);
+  std::ofstream file(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
+  file << "P6 " << kWidth << " " << kHeight << " 255\n";
+  file.write(reinterpret_cast<const char*>(rgb.data),
+             static_cast<std::streamsize>(rgb.total() * 3));
 }
 
 TEST_CASE(

@@ -1,0 +1,61 @@
+#include "plant_emulator/load_parameters.hpp"
+
+#include <string>
+
+#include <catch2/catch.hpp>
+
+namespace c3rt::plant {
+namespace {
+
+const std::string kYaml = R"(table_height_m: -0.0245
+table_tilt_rad: [0.01, -0.02]
+friction: {ball_table: 0.9, ball_end_effector: 0.8, ball_ball: 0.3, end_effector_table: 0.5}
+rolling_friction_m: 0.0001
+step_s: 0.0005
+initial_q_rad: [0, 0.275, 0, -2.222, 0, 2.497, 0]
+balls:
+  - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132}
+  - {position_m: [0.45, 0.1], radius_m: 0.02, mass_kg: 0.05}
+)";
+
+Parameters parse(const std::string& yaml) {
+  return load_parameters(config::Document::parse(yaml, "test.yaml"));
+}
+
+std::string replaced(const std::string& from, const std::string& to) {
+  std::string yaml = kYaml;
+  return yaml.replace(yaml.find(from), from.size(), to);
+}
+
+TEST_CASE("the plant's section is read key by key") {
+  const Parameters p = parse(kYaml);
+  CHECK(p.world.table_height == -0.0245);
+  CHECK(p.world.table_tilt == Eigen::Vector2d(0.01, -0.02));
+  CHECK(p.world.friction.ball_table == 0.9);
+  CHECK(p.world.friction.ball_end_effector == 0.8);
+  CHECK(p.world.friction.ball_ball == 0.3);
+  CHECK(p.world.friction.end_effector_table == 0.5);
+  CHECK(p.world.rolling_friction == 0.0001);
+  CHECK(p.world.step == 0.0005);
+  CHECK(p.initial_q[5] == 2.497);
+  REQUIRE(p.world.balls.size() == 2);
+  CHECK(p.world.balls[1].position == Eigen::Vector2d(0.45, 0.1));
+  CHECK(p.world.balls[1].radius == 0.02);
+  CHECK(p.world.balls[1].mass == 0.05);
+}
+
+TEST_CASE("a mistake in the plant's section is refused with its line and key") {
+  CHECK_THROWS_WITH(parse(kYaml + "gravity: 9.81\n"), Catch::Contains("gravity"));
+  CHECK_THROWS_WITH(parse(replaced("ball_ball: 0.3, ", "")), Catch::Contains("ball_ball"));
+  CHECK_THROWS_WITH(parse(replaced("step_s: 0.0005", "step_s: 0.002")),
+                    Catch::Contains("test.yaml:5") && Catch::Contains("step_s"));
+  CHECK_THROWS_WITH(parse(replaced("-2.222", "0.5")),
+                    Catch::Contains("test.yaml:6") && Catch::Contains("joint 4"));
+  CHECK_THROWS_WITH(parse(replaced("radius_m: 0.02, ", "colour: red, radius_m: 0.02, ")),
+                    Catch::Contains("colour"));
+  CHECK_THROWS_WITH(parse(replaced("step_s: 0.0005", "step_s: 0.0007")),
+                    Catch::Contains("divides 0.001"));
+}
+
+}  // namespace
+}  // namespace c3rt::plant
