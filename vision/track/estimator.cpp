@@ -43,7 +43,7 @@ Estimator::Estimator(const EstimatorParameters& parameters, double ball_radius)
 }
 
 void Estimator::restart(const Measurement& measurement) noexcept {
-  started_ = true;
+  estimate_.seen = true;
   estimate_.valid = true;
   estimate_.measured = true;
   estimate_.restarted = true;
@@ -58,8 +58,7 @@ void Estimator::restart(const Measurement& measurement) noexcept {
 }
 
 const Estimate& Estimator::step(const Measurement& measurement) noexcept {
-  if (started_ && measurement.exposure_ns <= estimate_.exposure_ns) return estimate_;
-  
+  if (estimate_.seen && measurement.exposure_ns <= estimate_.exposure_ns) return estimate_;
   const Eigen::Vector3d p_expected = predict(measurement.exposure_ns);
   estimate_.exposure_ns = measurement.exposure_ns;
   estimate_.measured = false;
@@ -67,7 +66,7 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
 
   const bool found = measurement.found && measurement.p_WB.allFinite();
   const double dt = seconds(measurement.exposure_ns - measured_ns_);
-  if (started_ && dt > parameters_.lost_after) estimate_.valid = false;
+  if (estimate_.seen && dt > parameters_.lost_after) estimate_.valid = false;
 
   if (!found) return estimate_;
   if (!estimate_.valid) {

@@ -30,6 +30,7 @@ struct Measurement {
 
 struct Estimate {
   std::int64_t exposure_ns = 0;
+  bool seen = false;      // at least once
   bool valid = false;     // false: never seen, or lost; the numbers are then the last good ones
   bool measured = false;  // the measurement of this exposure was used
   bool restarted = false; // the filters started anew with this measurement
@@ -77,7 +78,6 @@ class Estimator {
   EstimatorParameters parameters_;
   double radius_;
   Estimate estimate_;
-  bool started_ = false;
   std::int64_t measured_ns_ = 0;  // exposure of the last measurement that was used
   Eigen::Vector3d p_measured_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d difference_ = Eigen::Vector3d::Zero();

@@ -1,0 +1,370 @@
+// c3rt-vision: what the cameras see of the plant's scene in, the balls' states out, once per exposure.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/utility.hpp>
+#include <spdlog/spdlog.h>
+
+#include "config/process_options.hpp"
+#include "config/scenario.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/dds.hpp"
+#include "idl/process.hpp"
+#include "idl/shutdown_listener.hpp"
+#include "vision/emulated.hpp"
+#include "vision/faulty_camera.hpp"
+#include "vision/tracker.hpp"
+#include "vision/virtual_cameras.hpp"
+
+namespace c3rt::vision {
+namespace {
+
+constexpr std::int64_t kPollNs = 50'000'000;  // realtime: a blocked wait looks at the stop flag this often
+
+std::int64_t nanoseconds(double s) { return std::llround(1e9 * s); }
+
+void fill(double (&out)[3], const Eigen::Vector3d& v) { std::copy_n(v.data(), 3, out); }
+void fill(double (&out)[4], const Eigen::Quaterniond& q) {
+  const double wxyz[] = {q.w(), q.x(), q.y(), q.z()};
+  std::copy_n(wxyz, 4, out);
+}
+
+/// What was injected, until when.
+struct Faults {
+  std::int64_t lose_ball_ns = 0, stall_ns = 0, nan_ns = 0;
+};
+
+/// One ball at one exposure, whatever the source.
+struct Observation {
+  Measurement measurement;
+  int cameras_used = 0;
+  std::vector<View> views;
+};
+
+/// Where measurements come from; chosen by the scenario.
+class Source {
+ public:
+  virtual ~Source() = default;
+  virtual void expose(const wire::Scene& scene) = 0;
+  /// @param known false: the ball is lost and p_expected no more than a guess
+  virtual Observation observe(int ball, const Eigen::Vector3d& p_expected, bool known) = 0;
+  virtual void freeze(int camera, std::int64_t until_ns) = 0;  // a negative index means all
+};
+
+class EmulatedSource : public Source {
+ public:
+  EmulatedSource(const Parameters& parameters, std::uint64_t seed) : sensor_(parameters.emulated, seed) {}
+
+  void expose(const wire::Scene& scene) override { scene_ = scene; }
+  Observation observe(int ball, const Eigen::Vector3d&, bool) override {
+    Observation seen;
+    const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[ball]);
+    seen.measurement = {scene_.header.time_ns, ball < scene_.ball_count, sensor_.measure(truth)};
+    seen.cameras_used = 1;
+    return seen;
+  }
+  void freeze(int, std::int64_t) override {}
+
+ private:
+  EmulatedSensor sensor_;
+  wire::Scene scene_{};
+};
+
+class CameraSource : public Source {
+ public:
+  CameraSource(const config::Scenario& scenario, std::uint64_t seed)
+      : rig_(scenario.plant.world, scenario.vision, seed) {
+    const plant::World& world = scenario.plant.world;
+    if (world.balls.size() != 1) {
+      throw std::invalid_argument("vision.source cameras tells no balls apart: it needs exactly one ball, not " +
+                                  std::to_string(world.balls.size()) + "; emulated can have more");
+    }
+    std::vector<Camera*> cameras;
+    for (Camera* camera : rig_.cameras()) {
+      faulty_.push_back(std::make_unique<FaultyCamera>(*camera));
+      cameras.push_back(faulty_.back().get());
+    }
+    const double radius = world.balls[0].radius;
+    tracker_ = std::make_unique<Tracker>(scenario.vision, radius, world.table_height + radius, cameras);
+  }
+
+  void expose(const wire::Scene& scene) override {
+    pose_.exposure_ns = scene.header.time_ns;
+    std::copy(std::begin(scene.q_rad), std::end(scene.q_rad), pose_.q.begin());
+    pose_.X_WB.resize(static_cast<std::size_t>(scene.ball_count));
+    for (int i = 0; i < scene.ball_count; ++i) {
+      const auto& q = scene.q_WB[i];
+      Eigen::Isometry3d& X_WB = pose_.X_WB[static_cast<std::size_t>(i)];
+      X_WB = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+      X_WB.translation() = Eigen::Map<const Eigen::Vector3d>(scene.p_WB_m[i]);
+    }
+    rig_.expose(pose_);
+  }
+  Observation observe(int, const Eigen::Vector3d& p_expected, bool known) override {
+    Sighting sighting = tracker_->observe(pose_.exposure_ns, p_expected, known);
+    return {{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
+            sighting.fusion.cameras_used,
+            std::move(sighting.views)};
+  }
+  void freeze(int camera, std::int64_t until_ns) override {
+    for (int i = 0; i < static_cast<int>(faulty_.size()); ++i) {
+      if (camera < 0 || camera == i) faulty_[static_cast<std::size_t>(i)]->freeze(until_ns);
+    }
+  }
+
+ private:
+  VirtualCameras rig_;
+  std::vector<std::unique_ptr<FaultyCamera>> faulty_;
+  std::unique_ptr<Tracker> tracker_;
+  ScenePose pose_;
+};
+
+std::unique_ptr<Source> make_source(const config::Scenario& scenario, std::uint64_t seed) {
+  if (scenario.vision.source == SourceKind::kEmulated) {
+    return std::make_unique<EmulatedSource>(scenario.vision, seed);
+  }
+  return std::make_unique<CameraSource>(scenario, seed);
+}
+
+/// From exposures to samples: the same in both clocks.
+class Service {
+ public:
+  Service(const config::Scenario& scenario, const config::ProcessOptions& options, wire::Bus& bus,
+          wire::StatusReporter& status)
+      : realtime_(options.clock == config::Clock::kRealtime),
+        latency_ns_(nanoseconds(scenario.timing.vision_latency_s)),
+        period_ns_(nanoseconds(1.0 / scenario.vision.rate)),
+        source_(make_source(scenario, options.seed)),
+        scenes_(bus),
+        faults_in_(bus),
+        requests_(bus),
+        detections_(bus),
+        estimates_(bus),
+        replies_(bus),
+        status_(status),
+        exposures_(status.counter("exposures")),
+        dropped_(status.counter("dropped_frames")),
+        cameras_used_(status.counter("cameras_used")),
+        lost_events_(status.counter("lost_events")),
+        restarts_(status.counter("restarts")) {
+    const plant::World& world = scenario.plant.world;
+    for (const plant::BallParameters& ball : world.balls) {
+      estimators_.emplace_back(scenario.vision.estimator, ball.radius);
+      const Eigen::Vector2d& centre = scenario.task.circle.center;
+      first_guess_.emplace_back(centre.x(), centre.y(), world.table_height + ball.radius);
+    }
+    status_.set_state(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
+  }
+
+  /// Everything that has arrived.
+  void serve(std::int64_t now_ns) {
+    take_requests(now_ns);
+    wire::Scene scene{};
+    bool exposed = false;
+    wire::Scene newest{};
+    while (scenes_.take(scene)) {
+      if (!scene.exposure) continue;
+      exposed = true;  // of several only the newest is worth its time
+      newest = scene;
+    }
+    if (exposed && now_ns >= faults_.stall_ns) process(newest);
+  }
+
+ private:
+  void take_requests(std::int64_t now_ns) {
+    wire::ServiceRequest request{};
+    while (requests_.take(request)) {
+      if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN) continue;
+      wire::ServiceReply reply{};
+      reply.request_id = request.request_id;
+      reply.process = c3rt_v1_PROCESS_VISION;
+      std::snprintf(reply.text, sizeof reply.text, "vision knows only shutdown");
+      replies_.write(reply, now_ns);
+    }
+    wire::FaultInject fault{};
+    while (faults_in_.take(fault)) {
+      if (fault.process == c3rt_v1_PROCESS_VISION) inject(fault, now_ns);
+    }
+  }
+
+  void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
+    constexpr double kLongest = 3600.0;  // [s]
+    const std::int64_t until_ns =
+        now_ns + nanoseconds(std::isfinite(fault.duration_s) ? std::clamp(fault.duration_s, 0.0, kLongest) : 0.0);
+    switch (fault.kind) {
+      case c3rt_v1_FAULT_FREEZE_CAMERA:
+        source_->freeze(fault.index, until_ns);
+        break;
+      case c3rt_v1_FAULT_LOSE_BALL:
+        faults_.lose_ball_ns = until_ns;
+        break;
+      case c3rt_v1_FAULT_STALL:
+        faults_.stall_ns = until_ns;
+        break;
+      case c3rt_v1_FAULT_NAN:
+        faults_.nan_ns = until_ns;
+        break;
+      case c3rt_v1_FAULT_NONE:
+        faults_ = {};
+        source_->freeze(-1, 0);
+        break;
+      default:
+        spdlog::warn("fault refused kind={}", static_cast<int>(fault.kind));
+        return;
+    }
+    spdlog::info("fault kind={} index={} duration_s={}", static_cast<int>(fault.kind), fault.index,
+                 fault.duration_s);
+  }
+
+  void process(const wire::Scene& scene) {
+    const std::int64_t began_ns = rt::now_ns();
+    const std::int64_t exposure_ns = scene.header.time_ns;
+    if (last_exposure_ns_ != 0) {
+      // those in between never arrived, or too late
+      const std::int64_t periods = (exposure_ns - last_exposure_ns_ + period_ns_ / 2) / period_ns_;
+      if (periods > 1) dropped_ += static_cast<std::uint64_t>(periods - 1);
+    }
+    last_exposure_ns_ = exposure_ns;
+    ++exposures_;
+    source_->expose(scene);
+    for (std::size_t i = 0; i < estimators_.size(); ++i) process_ball(i, exposure_ns);
+    status_.compute().add(1e-9 * static_cast<double>(rt::now_ns() - began_ns));
+  }
+
+  void process_ball(std::size_t index, std::int64_t exposure_ns) {
+    Estimator& estimator = estimators_[index];
+    const int ball = static_cast<int>(index);
+    const Estimate before = estimator.estimate();
+    Observation seen = source_->observe(
+        ball, before.seen ? estimator.predict(exposure_ns) : first_guess_[index], before.valid);
+    if (exposure_ns < faults_.lose_ball_ns) {
+      seen.measurement.found = false;
+      seen.cameras_used = 0;
+      for (View& view : seen.views) view.detection.found = view.used = false;
+    }
+    const Estimate& estimate = estimator.step(seen.measurement);
+    cameras_used_ += static_cast<std::uint64_t>(seen.cameras_used);
+    report(ball, before, estimate);
+
+    const std::int64_t published_ns = realtime_ ? rt::now_ns() : exposure_ns + latency_ns_;
+    wire::BallEstimate out{};
+    out.ball = ball;
+    out.exposure_ns = exposure_ns;
+    out.valid = estimate.valid;
+    out.cameras_used = seen.cameras_used;
+    fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : estimate.p_WB);
+    fill(out.p_WB_m, estimate.p_WB);
+    fill(out.v_WB_m_per_s, estimate.v_WB);
+    fill(out.omega_rad_per_s, estimate.omega_WB);
+    fill(out.q_WB, estimate.q_WB);
+    if (exposure_ns < faults_.nan_ns) out.p_WB_m[0] = std::nan("");
+    estimates_.write(out, published_ns);
+
+    // after the estimate: nobody waits for these
+    for (std::size_t i = 0; i < seen.views.size(); ++i) {
+      const View& view = seen.views[i];
+      if (!view.frame) ++dropped_;
+      wire::BallDetection detection{};
+      detection.camera = static_cast<int>(i);
+      detection.ball = ball;
+      detection.exposure_ns = exposure_ns;
+      detection.found = view.detection.found;
+      detection.used = view.used;
+      detection.u_px = view.detection.centre.x();
+      detection.v_px = view.detection.centre.y();
+      detection.radius_px = view.detection.radius;
+      fill(detection.p_WB_m, view.detection.p_WB);
+      detections_.write(detection, published_ns);
+    }
+  }
+
+  void report(int ball, const Estimate& before, const Estimate& now) {
+    if (now.restarted && before.valid) ++restarts_;
+    if (now.valid == before.valid) return;
+    if (now.valid) {
+      status_.set_state(c3rt_v1_SERVICE_RUNNING, "tracks the ball");
+    } else {
+      ++lost_events_;
+      status_.set_state(c3rt_v1_SERVICE_DEGRADED, "ball " + std::to_string(ball) + " is lost");
+    }
+    spdlog::info("ball={} {}", ball, now.valid ? "found" : "lost");
+  }
+
+  const bool realtime_;
+  const std::int64_t latency_ns_, period_ns_;
+  std::unique_ptr<Source> source_;
+  wire::Reader<wire::Scene> scenes_;
+  wire::Reader<wire::FaultInject> faults_in_;
+  wire::Reader<wire::ServiceRequest> requests_;
+  wire::Writer<wire::BallDetection> detections_;
+  wire::Writer<wire::BallEstimate> estimates_;
+  wire::Writer<wire::ServiceReply> replies_;
+  wire::StatusReporter& status_;
+  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_;
+  std::vector<Estimator> estimators_;
+  std::vector<Eigen::Vector3d> first_guess_;
+  Faults faults_;
+  std::int64_t last_exposure_ns_ = 0;
+};
+
+void run_realtime(wire::Bus& bus, Service& service) {
+  const wire::ShutdownListener shutdown(bus, c3rt_v1_PROCESS_VISION);
+  while (!wire::StopFlag::requested()) {
+    bus.wait_for_data(kPollNs);
+    service.serve(rt::now_ns());
+  }
+}
+
+void run_lockstep(wire::Bus& bus, Service& service, double rate) {
+  wire::Loop loop(bus, {c3rt_v1_PROCESS_VISION, nanoseconds(1.0 / rate)});
+  std::int64_t now_ns = 0;
+  while (loop.wait(now_ns)) service.serve(now_ns);
+  if (!loop.failure().empty()) throw wire::WireError(loop.failure());
+}
+
+int run(int argc, char** argv) {
+  int exit_status = 0;
+  const auto options = config::parse_process_options(
+      argc, argv, "c3rt-vision", "Three virtual cameras, or an emulated sensor: the ball's position, velocity and spin.",
+      exit_status);
+  if (!options) return exit_status;
+  const wire::StopFlag stop;
+  // one thread is faster than two that wait for each other on images this small
+  cv::setNumThreads(1);
+  const config::Scenario scenario = config::load_scenario(options->scenario_path, options->overrides);
+  const bool lockstep = options->clock == config::Clock::kLockstep;
+  wire::Bus bus({options->domain, options->dds_profile,
+                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime, options->session});
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION);
+  Service service(scenario, *options, bus, status);
+  spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
+               scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated", scenario.vision.rate,
+               scenario.vision.cameras.size());
+  if (lockstep) {
+    run_lockstep(bus, service, scenario.vision.rate);
+  } else {
+    run_realtime(bus, service);
+  }
+  spdlog::info("stop exposures={} dropped_frames={} lost_events={}", status.counter("exposures").load(),
+               status.counter("dropped_frames").load(), status.counter("lost_events").load());
+  return 0;
+}
+
+}  // namespace
+}  // namespace c3rt::vision
+
+int main(int argc, char** argv) try {
+  return c3rt::vision::run(argc, argv);
+} catch (const c3rt::config::ConfigError& error) {
+  std::fprintf(stderr, "c3rt-vision: %s\n", error.what());
+  return 2;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "c3rt-vision: %s\n", error.what());
+  return 3;
+}
