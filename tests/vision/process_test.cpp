@@ -1,0 +1,298 @@
+// The process c3rt-vision on a real bus, with this test as its plant.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/process.hpp"
+
+extern char** environ;
+
+namespace c3rt::vision {
+namespace {
+
+const std::string kSource = C3RT_SOURCE_DIRECTORY;
+const std::string kProfile = kSource + "/config/dds/loopback.xml";
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kSecond = 1000 * kMs;
+constexpr std::int64_t kPeriod = 12'500'000;  // 80 Hz [ns]
+constexpr double kRadius = 0.0315, kTable = -0.0245;
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path);
+  REQUIRE(file);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// The scenario circle_slow with the three cameras of this folder in place of its section `vision`.
+std::string camera_scenario() {
+  const std::string circle = read_file(kSource + "/config/scenarios/circle_slow.yaml");
+  const std::size_t vision = circle.find("\nvision:");
+  REQUIRE(vision != std::string::npos);
+  const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/three_cameras_scenario.yaml";
+  std::ofstream file(path);
+  file << circle.substr(0, vision) << "\nvision:\n";
+  std::istringstream lines(read_file(kSource + "/tests/vision/three_cameras.yaml"));
+  for (std::string line; std::getline(lines, line);) file << "  " << line << '\n';
+  return path;
+}
+
+std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+
+/// c3rt-vision as a child process; killed if the test forgets it.
+class Child {
+ public:
+  explicit Child(const std::string& scenario, const std::string& clock, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-vision", scenario,
+                                          "--clock", clock, "--domain", std::to_string(test_domain()),
+                                          "--dds-profile", kProfile};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    REQUIRE(posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) == 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  void signal(int number) const { kill(pid_, number); }
+  /// Exit status; -1 if a signal ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// A ball that rolls along the circle at 0.08 m/s below an arm at rest.
+wire::Scene scene_at(std::int64_t time_ns, bool exposure) {
+  wire::Scene scene{};
+  scene.exposure = exposure;
+  const double q[] = {0.0, 0.275, 0.0, -2.222, 0.0, 2.497, 0.0};
+  std::copy(std::begin(q), std::end(q), scene.q_rad);
+  scene.ball_count = 1;
+  const double angle = -0.8 * 1e-9 * static_cast<double>(time_ns);
+  const double p[] = {0.55 + 0.1 * std::cos(angle), 0.1 * std::sin(angle), kTable + kRadius};
+  std::copy(std::begin(p), std::end(p), scene.p_WB_m[0]);
+  scene.q_WB[0][0] = 1.0;
+  return scene;
+}
+
+double error(const wire::BallEstimate& estimate) {
+  const wire::Scene truth = scene_at(estimate.exposure_ns, true);
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) sum += std::pow(estimate.p_WB_m[i] - truth.p_WB_m[0][i], 2);
+  return std::sqrt(sum);
+}
+
+double p95(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.at(values.size() * 95 / 100);
+}
+
+/// The plant's part of a lockstep run, as far as vision takes part in it.
+class Plant {
+ public:
+  explicit Plant(const std::string& scenario, const std::vector<std::string>& more = {})
+      : child_(scenario, "lockstep", more),
+        bus_({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()}),
+        scenes_(bus_),
+        faults_(bus_),
+        estimates_(bus_),
+        detections_(bus_),
+        master_(bus_, {c3rt_v1_PROCESS_VISION}, 30 * kSecond) {}
+
+  /// @return the estimate of this step, if one was due
+  bool step(wire::BallEstimate& estimate, std::vector<wire::BallDetection>* detections = nullptr) {
+    now_ns_ += kMs;
+    const bool exposure = now_ns_ >= next_exposure_ns_;
+    if (exposure) {
+      next_exposure_ns_ += kPeriod;
+      wire::Scene scene = scene_at(now_ns_, true);
+      scenes_.write(scene, now_ns_);
+    } else if (now_ns_ % (10 * kMs) == 0) {
+      wire::Scene scene = scene_at(now_ns_, false);
+      scenes_.write(scene, now_ns_);
+    }
+    REQUIRE(master_.advance(now_ns_));
+    wire::BallDetection detection{};
+    while (detections_.take(detection)) {
+      if (detections != nullptr) detections->push_back(detection);
+    }
+    const bool found = estimates_.take(estimate);
+    REQUIRE(found == exposure);
+    return found;
+  }
+  /// Steps until an estimate satisfies the condition; false after two simulated seconds.
+  bool until(const std::function<bool(const wire::BallEstimate&)>& condition) {
+    wire::BallEstimate estimate{};
+    for (int i = 0; i < 2000; ++i) {
+      if (step(estimate) && condition(estimate)) return true;
+    }
+    return false;
+  }
+  void inject(c3rt_v1_FaultKind kind, int index, double duration_s) {
+    wire::FaultInject fault{};
+    fault.process = c3rt_v1_PROCESS_VISION;
+    fault.kind = kind;
+    fault.index = index;
+    fault.duration_s = duration_s;
+    faults_.write(fault, now_ns_);
+  }
+  std::int64_t now_ns() const { return now_ns_; }
+  Child& child() { return child_; }
+
+ private:
+  Child child_;
+  wire::Bus bus_;
+  wire::Writer<wire::Scene> scenes_;
+  wire::Writer<wire::FaultInject> faults_;
+  wire::Reader<wire::BallEstimate> estimates_;
+  wire::Reader<wire::BallDetection> detections_;
+  wire::LockstepMaster master_;
+  std::int64_t now_ns_ = 0, next_exposure_ns_ = 0;
+};
+
+struct Trace {
+  std::vector<wire::BallEstimate> estimates;
+  std::vector<wire::BallDetection> detections;
+};
+
+Trace trace(const std::string& scenario, int steps, const std::vector<std::string>& more = {}) {
+  Plant plant(scenario, more);
+  Trace result;
+  wire::BallEstimate estimate{};
+  for (int i = 0; i < steps; ++i) {
+    if (plant.step(estimate, &result.detections)) result.estimates.push_back(estimate);
+  }
+  return result;
+}
+
+bool same_bits(const Trace& a, const Trace& b) {
+  if (a.estimates.size() != b.estimates.size()) return false;
+  for (std::size_t i = 0; i < a.estimates.size(); ++i) {
+    const wire::BallEstimate &x = a.estimates[i], &y = b.estimates[i];
+    for (int k = 0; k < 3; ++k) {
+      if (x.p_WB_m[k] != y.p_WB_m[k] || x.p_measured_m[k] != y.p_measured_m[k] ||
+          x.v_WB_m_per_s[k] != y.v_WB_m_per_s[k]) {
+        return false;
+      }
+    }
+    if (x.header.time_ns != y.header.time_ns || x.cameras_used != y.cameras_used) return false;
+  }
+  return true;
+}
+
+TEST_CASE("in lockstep three cameras give one estimate per exposure, within 1 mm, stamped with the scenario's latency") {
+  const std::string scenario = camera_scenario();
+  const Trace first = trace(scenario, 1500);
+  // at 0, 12.5, 25, … 1500 ms, each at the next full millisecond but the first, which is at 1 ms
+  REQUIRE(first.estimates.size() == 121);
+  REQUIRE(first.detections.size() == 3 * first.estimates.size());
+  std::vector<double> errors;
+  for (const wire::BallEstimate& estimate : first.estimates) {
+    REQUIRE(estimate.header.time_ns == estimate.exposure_ns + 8 * kMs);
+    REQUIRE(estimate.valid);
+    errors.push_back(error(estimate));
+  }
+  CHECK(p95(errors) < 1e-3);
+  // clockwise at 0.08 m/s, so at the start along -y
+  CHECK(first.estimates[10].v_WB_m_per_s[1] == Approx(-0.08).margin(0.02));
+  CHECK(std::count_if(first.detections.begin(), first.detections.end(),
+                      [](const wire::BallDetection& d) { return d.found && d.used && d.radius_px > 5; }) >
+        static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(first.detections.size())));
+  CHECK(same_bits(first, trace(scenario, 1500)));
+}
+
+TEST_CASE("in lockstep the emulated sensor's noise is the seed's, bit for bit") {
+  const std::string scenario = kSource + "/config/scenarios/circle_slow.yaml";
+  const auto with_seed = [&](const std::string& seed) {
+    return trace(scenario, 300, {"--seed", seed, "--set", "vision.emulated.noise_m=0.001"});
+  };
+  const Trace one = with_seed("1");
+  REQUIRE(one.estimates.size() == 25);
+  CHECK(same_bits(one, with_seed("1")));
+  CHECK_FALSE(same_bits(one, with_seed("2")));
+  for (const wire::BallEstimate& estimate : one.estimates) CHECK(error(estimate) < 0.008);
+}
+
+TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and found again") {
+  Plant plant(camera_scenario());
+  REQUIRE(plant.until([](const auto& e) { return e.valid && e.cameras_used == 3; }));
+  plant.inject(c3rt_v1_FAULT_FREEZE_CAMERA, 0, 3600);
+  REQUIRE(plant.until([](const auto& e) { return e.cameras_used == 2; }));
+  wire::BallEstimate last_seen{};
+  REQUIRE(plant.until([&](const auto& e) {
+    last_seen = e;
+    return e.valid && error(e) < 2e-3;
+  }));
+
+  plant.inject(c3rt_v1_FAULT_LOSE_BALL, 0, 3600);
+  REQUIRE(plant.until([&](const auto& e) {
+    if (e.cameras_used > 0) last_seen = e;
+    return !e.valid;
+  }));
+  REQUIRE(plant.until([&](const auto& e) { return e.p_WB_m[0] == last_seen.p_WB_m[0]; }));
+  plant.inject(c3rt_v1_FAULT_NONE, 0, 0);
+  REQUIRE(plant.until([](const auto& e) { return e.valid && e.cameras_used == 3 && error(e) < 2e-3; }));
+
+  plant.inject(c3rt_v1_FAULT_NAN, 0, 3600);
+  REQUIRE(plant.until([](const auto& e) { return std::isnan(e.p_WB_m[0]); }));
+}
+
+TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the process cleanly") {
+  Child child(camera_scenario(), "realtime");
+  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, wire::draw_session()});
+  wire::Writer<wire::Scene> scenes(bus);
+  wire::Reader<wire::BallEstimate> estimates(bus);
+  rt::PeriodicClock clock(kPeriod);
+  const std::int64_t start_ns = rt::now_ns();
+  int exposures = 0, followed = 0;
+  while (exposures < 160 && rt::now_ns() - start_ns < 20 * kSecond) {
+    const std::int64_t now_ns = clock.wait().woke_ns;
+    wire::Scene scene = scene_at(now_ns, true);
+    scenes.write(scene, now_ns);
+    wire::BallEstimate estimate{};
+    while (estimates.take(estimate)) {
+      ++followed;
+      CHECK(estimate.header.time_ns > estimate.exposure_ns);
+    }
+    if (followed > 0) ++exposures;
+  }
+  REQUIRE(exposures == 160);
+  // two seconds; a machine that is busy elsewhere may skip some
+  CHECK(followed > exposures / 2);
+  child.signal(SIGTERM);
+  CHECK(child.wait() == 0);
+}
+
+TEST_CASE("a scenario that asks for the impossible is refused before anything starts") {
+  const std::string scenario = kSource + "/config/scenarios/circle_slow.yaml";
+  Child without_cameras(scenario, "lockstep", {"--set", "vision.source=cameras"});
+  CHECK(without_cameras.wait() == 2);
+  Child unknown(scenario, "lockstep", {"--set", "vision.rate=80"});
+  CHECK(unknown.wait() == 2);
+}
+
+}  // namespace
+}  // namespace c3rt::vision
