@@ -45,7 +45,9 @@ struct Loop::Implementation {
   bool wait_realtime(std::int64_t& now_ns) noexcept {
     const rt::Wakeup wakeup = clock.wait();
     missed.fetch_add(static_cast<std::uint64_t>(wakeup.missed), std::memory_order_relaxed);
-    latency.add(static_cast<double>(wakeup.latency_ns) * 1e-9);
+    const double latency_s = static_cast<double>(wakeup.latency_ns) * 1e-9;
+    latency.add(latency_s);
+    if (settings.wakeup_latency != nullptr) settings.wakeup_latency->add(latency_s);
     now_ns = wakeup.woke_ns;
     return !StopFlag::requested();
   }

@@ -33,6 +33,7 @@ class Loop {
     std::int64_t phase_ns = 0;                       // lockstep: acts at ticks >= phase + k * period
     std::int64_t join_timeout_ns = 60'000'000'000;   // lockstep: until the first tick
     std::int64_t gone_timeout_ns = 10'000'000'000;   // lockstep: the plant has died, or no tick for six times this
+    rt::Statistics* wakeup_latency = nullptr;        // realtime: also added here (the StatusReporter's)
   };
   Loop(Bus& bus, const Settings& settings);
   ~Loop();
