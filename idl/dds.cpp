@@ -6,6 +6,9 @@
 #include <map>
 #include <mutex>
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <dds/dds.h>
 
 #include "controller/rt/periodic_clock.hpp"
@@ -94,7 +97,31 @@ class Waiter {
   Entity waitset_, guard_;
 };
 
+constexpr int kBusPriority = 60;  // servo threads run at 70 and above
+
+/// While it lives, threads made by the calling one (Cyclone's) inherit the bus's priority.
+class BusPriority {
+ public:
+  explicit BusPriority(bool wanted) noexcept {
+    pthread_getschedparam(pthread_self(), &policy_, &before_);
+    if (wanted) raise_to_bus_priority();
+  }
+  ~BusPriority() { pthread_setschedparam(pthread_self(), policy_, &before_); }
+  BusPriority(const BusPriority&) = delete;
+  BusPriority& operator=(const BusPriority&) = delete;
+
+ private:
+  int policy_ = SCHED_OTHER;
+  sched_param before_{};
+};
+
 }  // namespace
+
+void raise_to_bus_priority() noexcept {
+  sched_param fifo{};
+  fifo.sched_priority = kBusPriority;
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &fifo);
+}
 
 Entity& Entity::operator=(Entity&& other) noexcept {
   std::swap(handle_, other.handle_);
@@ -138,7 +165,10 @@ struct Bus::Implementation {
   std::unique_ptr<Peers> peers;
 };
 
-Bus::Bus(const BusSettings& settings) : implementation_(std::make_unique<Implementation>(settings)) {}
+Bus::Bus(const BusSettings& settings) {
+  const BusPriority inherited(settings.clock == ClockMode::kRealtime);
+  implementation_ = std::make_unique<Implementation>(settings);
+}
 Bus::~Bus() = default;
 
 std::int32_t Bus::participant() const { return implementation_->participant.handle(); }

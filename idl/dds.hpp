@@ -27,6 +27,10 @@ struct BusSettings {
   std::uint64_t session_id = 0;  // 0: adopt the newest that the plant writes
 };
 
+/// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every servo thread's.
+/// Where that is not allowed nothing changes.
+void raise_to_bus_priority() noexcept;
+
 /// Move-only owner of one DDS handle.
 class Entity {
  public:

@@ -49,6 +49,11 @@ void become_helper_thread(const char* name) noexcept {
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
 }
 
+void become_bus_thread(const char* name) noexcept {
+  become_helper_thread(name);
+  raise_to_bus_priority();
+}
+
 Signal::Signal() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (event_ < 0) throw WireError(std::string("cannot create an eventfd: ") + std::strerror(errno));
 }

@@ -100,6 +100,10 @@ class StopFlag {
 /// Gives the calling helper thread a name (at most 15 letters) and the ordinary scheduler, whatever its parent has.
 void become_helper_thread(const char* name) noexcept;
 
+/// Gives the calling thread, one that carries samples, a name and SCHED_FIFO below the servo threads where that is
+/// allowed: behind a busy core's ordinary threads a command would come too late however punctual the servo is.
+void become_bus_thread(const char* name) noexcept;
+
 /// DDS -> servo thread. Realtime: a helper thread takes, the servo thread gets the newest, wait-free.
 /// Lockstep: no thread; the samples that the tick promised are taken directly.
 template <typename T>
@@ -138,7 +142,7 @@ class Inlet {
     return true;
   }
   void run() noexcept {
-    become_helper_thread("inlet");
+    become_bus_thread("inlet");
     while (!stop_.load()) {
       reader_.wait(1'000'000'000);
       if (reader_.take_newest(arrived_)) latest_.put(arrived_);
@@ -210,7 +214,7 @@ class Outlet {
     if (!writer_.write(item.sample, item.time_ns)) failed_.fetch_add(1, std::memory_order_relaxed);
   }
   void run() noexcept {
-    become_helper_thread("outlet");
+    become_bus_thread("outlet");
     while (true) {
       const bool last = stop_.load();  // what was put before the stop is still written
       while (latest_.take(writing_)) write(writing_);
