@@ -1,0 +1,401 @@
+// c3rt-plant: the simulated robot, table and balls on the bus, paced by the clock (realtime) or
+// pacing all (lockstep).
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "config/process_options.hpp"
+#include "config/scenario.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "controller/rt/thread_setup.hpp"
+#include "idl/process.hpp"
+#include "plant_emulator/messages.hpp"
+#include "plant_emulator/orders.hpp"
+#include "plant_emulator/plant.hpp"
+
+namespace c3rt::plant {
+namespace {
+
+constexpr std::int64_t kCycleNs = 1'000'000;
+constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
+constexpr std::int64_t kJoinTimeoutNs = 60'000'000'000;  // lockstep: the other processes' start
+constexpr std::int64_t kPollNs = 50'000'000;             // of the thread that serves clients
+constexpr int kStepPriority = 70;  // below the impedance process, for whose answer the robot waits
+
+/// Due instants of a period on the session's clock: true once for each that has passed.
+class Schedule {
+ public:
+  Schedule(std::int64_t period_ns, std::int64_t first_ns)
+      : period_ns_(period_ns), next_ns_(first_ns) {}
+  bool due(std::int64_t now_ns) noexcept {
+    if (now_ns < next_ns_) return false;
+    next_ns_ += ((now_ns - next_ns_) / period_ns_ + 1) * period_ns_;
+    return true;
+  }
+
+ private:
+  std::int64_t period_ns_;
+  std::int64_t next_ns_;
+};
+
+/// The plant with its faults and schedules: one call per cycle, the same in both clocks.
+class Cycle {
+ public:
+  Cycle(const config::Scenario& scenario, wire::StatusReporter& status)
+      : plant_(scenario.plant),
+        exposure_(std::llround(1e9 / scenario.vision.rate), 0),
+        scene_(kScenePeriodNs, 0),
+        cycles_(status.counter("cycles")),
+        lost_commands_(status.counter("lost_commands")),
+        saturated_(status.counter("saturated_cycles")),
+        reflexes_(status.counter("reflexes")),
+        success_(status.counter("success_rate_1e3")),
+        success_min_(status.counter("success_rate_min_1e3")),
+        exposures_(status.counter("exposures")),
+        faults_(status.counter("faults")) {
+    success_min_ = 1000;
+  }
+
+  void obey(const Order& order) noexcept {
+    const double until = plant_.state().time + order.duration;
+    switch (order.kind) {
+      case OrderKind::kRecover:
+        plant_.request_recovery();
+        return;
+      case OrderKind::kStop:
+        plant_.request_stop();
+        return;
+      case OrderKind::kPushBall:
+        plant_.push_ball(order.index, order.value);
+        break;
+      case OrderKind::kDropCommands:
+        plant_.drop_commands(order.duration);
+        break;
+      case OrderKind::kStall:
+        std::this_thread::sleep_for(std::chrono::duration<double>(order.duration));
+        break;
+      case OrderKind::kNan:
+        nan_until_ = until;
+        break;
+      case OrderKind::kEndFaults:
+        plant_.drop_commands(0);
+        nan_until_ = 0;
+        break;
+    }
+    ++faults_;
+  }
+
+  void command(const wire::RobotCommand& command) noexcept {
+    plant_.set_command(Eigen::Map<const Vector7d>(command.tau_nm), command.header.seq,
+                       command.origin.state_ns);
+  }
+
+  void step() noexcept {
+    plant_.step_1ms();
+    const State& s = plant_.state();
+    cycles_.store(++count_, std::memory_order_relaxed);
+    lost_commands_.store(s.lost_commands, std::memory_order_relaxed);
+    saturated_.store(s.saturated_cycles, std::memory_order_relaxed);
+    if (s.mode == Mode::kReflex && mode_ != Mode::kReflex) ++reflexes_;
+    moving_ = s.mode == Mode::kMove ? moving_ + 1 : 0;
+    const auto success = static_cast<std::uint64_t>(std::lround(1000 * s.command_success_rate));
+    success_.store(success, std::memory_order_relaxed);
+    // the window must be full, or one early loss would read as a bad connection
+    if (moving_ >= kSuccessWindow && success < success_min_)
+      success_min_.store(success, std::memory_order_relaxed);
+    mode_ = s.mode;
+    shown_mode_.store(s.mode, std::memory_order_relaxed);
+    shown_errors_.store(s.errors, std::memory_order_relaxed);
+  }
+
+  wire::RobotState state() const noexcept {
+    wire::RobotState sample = robot_state(plant_.state());
+    if (plant_.state().time < nan_until_)
+      sample.q_rad[0] = std::numeric_limits<double>::quiet_NaN();
+    return sample;
+  }
+
+  /// @return true if a sample of the scene is due, at an exposure or for the recorder
+  bool scene_due(std::int64_t now_ns, wire::Scene& sample) noexcept {
+    const bool exposure = exposure_.due(now_ns);
+    if (!scene_.due(now_ns) && !exposure) return false;
+    if (exposure) ++exposures_;
+    sample = scene(plant_.state(), exposure);
+    return true;
+  }
+
+  // for the thread that serves clients
+  Mode mode() const noexcept { return shown_mode_.load(std::memory_order_relaxed); }
+  Errors errors() const noexcept { return shown_errors_.load(std::memory_order_relaxed); }
+
+ private:
+  Plant plant_;
+  Schedule exposure_, scene_;
+  std::atomic<std::uint64_t>&cycles_, &lost_commands_, &saturated_, &reflexes_, &success_,
+      &success_min_, &exposures_, &faults_;
+  std::uint64_t count_ = 0;
+  int moving_ = 0;
+  double nan_until_ = 0.0;
+  Mode mode_ = Mode::kIdle;
+  std::atomic<Mode> shown_mode_{Mode::kIdle};
+  std::atomic<Errors> shown_errors_{0};
+};
+
+/// Clients' requests and faults become orders; changes of the robot's mode become status and log.
+class ClientDesk {
+ public:
+  ClientDesk(wire::Bus& bus, const Cycle& cycle, wire::StatusReporter& status, OrderQueue& orders)
+      : faults_(bus),
+        requests_(bus),
+        replies_(bus),
+        cycle_(cycle),
+        status_(status),
+        orders_(orders) {}
+
+  void serve(std::int64_t now_ns) {
+    wire::ServiceRequest request;
+    while (requests_.take(request)) {
+      if (request.process == c3rt_v1_PROCESS_PLANT) answer(request, now_ns);
+    }
+    wire::FaultInject fault;
+    while (faults_.take(fault)) {
+      if (fault.process == c3rt_v1_PROCESS_PLANT) inject(fault);
+    }
+    report();
+  }
+
+ private:
+  void answer(const wire::ServiceRequest& request, std::int64_t now_ns) {
+    if (request.verb == c3rt_v1_REQUEST_SHUTDOWN) return;  // the clock obeys and answers it
+    const bool recover = request.verb == c3rt_v1_REQUEST_RECOVER;
+    wire::ServiceReply reply{};
+    reply.request_id = request.request_id;
+    reply.process = c3rt_v1_PROCESS_PLANT;
+    reply.ok = orders_.put(
+        {recover ? OrderKind::kRecover : OrderKind::kStop, 0, 0, Eigen::Vector3d::Zero()});
+    std::snprintf(reply.text, sizeof reply.text, "%s",
+                  !reply.ok ? "too many requests at once"
+                  : recover ? "idle; the next valid command moves the arm"
+                            : "stopped; recover ends it");
+    replies_.write(reply, now_ns);
+  }
+
+  void inject(const wire::FaultInject& fault) {
+    Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
+                Eigen::Map<const Eigen::Vector3d>(fault.value)};
+    switch (fault.kind) {
+      case c3rt_v1_FAULT_NONE:
+        break;
+      case c3rt_v1_FAULT_PUSH_BALL:
+        order.kind = OrderKind::kPushBall;
+        break;
+      case c3rt_v1_FAULT_DROP_COMMANDS:
+        order.kind = OrderKind::kDropCommands;
+        break;
+      case c3rt_v1_FAULT_STALL:
+        order.kind = OrderKind::kStall;
+        break;
+      case c3rt_v1_FAULT_NAN:
+        order.kind = OrderKind::kNan;
+        break;
+      default:
+        spdlog::warn("fault refused kind={}", static_cast<int>(fault.kind));
+        return;
+    }
+    const bool taken = orders_.put(order);
+    spdlog::info("fault kind={} index={} duration_s={} taken={}", static_cast<int>(fault.kind),
+                 fault.index, fault.duration_s, taken);
+  }
+
+  void report() {
+    const Mode mode = cycle_.mode();
+    const Errors errors = cycle_.errors();
+    if (reported_ && mode == mode_ && errors == errors_) return;
+    reported_ = true;
+    mode_ = mode;
+    errors_ = errors;
+    const bool well = mode == Mode::kIdle || mode == Mode::kMove;
+    const std::string text =
+        mode == Mode::kIdle     ? "idle: holds its position and waits for a command"
+        : mode == Mode::kMove   ? "follows commands"
+        : mode == Mode::kReflex ? "reflex: " + names(errors) + "; request recover"
+                                : "stopped by a person; request recover";
+    status_.set_state(well ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED, text);
+    spdlog::info("mode {}", text);
+  }
+
+  wire::Reader<wire::FaultInject> faults_;
+  wire::Reader<wire::ServiceRequest> requests_;
+  wire::Writer<wire::ServiceReply> replies_;
+  const Cycle& cycle_;
+  wire::StatusReporter& status_;
+  OrderQueue& orders_;
+  bool reported_ = false;
+  Mode mode_ = Mode::kIdle;
+  Errors errors_ = 0;
+};
+
+/// Simulated over elapsed time, in thousandths.
+std::uint64_t real_time_factor(std::uint64_t cycles, std::int64_t elapsed_ns) noexcept {
+  if (elapsed_ns <= 0) return 0;
+  return static_cast<std::uint64_t>(1000.0 * static_cast<double>(cycles) * kCycleNs /
+                                    static_cast<double>(elapsed_ns));
+}
+
+/// Serves clients from a thread of its own while the loop steps.
+class DeskThread {
+ public:
+  DeskThread(wire::Bus& bus, ClientDesk& desk)
+      : bus_(bus), thread_([this, &desk] {
+          while (!stop_) {
+            bus_.wait_for_data(kPollNs);
+            desk.serve(rt::now_ns());
+          }
+        }) {}
+  ~DeskThread() {
+    stop_ = true;
+    bus_.wake();
+    thread_.join();
+  }
+
+ private:
+  wire::Bus& bus_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+std::string run_realtime(wire::Bus& bus, Cycle& cycle, wire::StatusReporter& status) {
+  auto& missed = status.counter("missed_cycles");
+  auto& factor = status.counter("real_time_factor_1e3");
+  OrderQueue orders;
+  ClientDesk desk(bus, cycle, status, orders);
+  const DeskThread desk_thread(bus, desk);
+  wire::Inlet<wire::RobotCommand> commands(bus);
+  wire::Outlet<wire::RobotState> states(bus);
+  wire::Outlet<wire::Scene> scenes(bus);
+  const std::string refused = rt::setup_thread({kStepPriority, {}, true});
+  if (!refused.empty()) spdlog::warn("not real-time: {}", refused);
+
+  wire::Loop::Settings pace{c3rt_v1_PROCESS_PLANT, kCycleNs};
+  pace.wakeup_latency = &status.wakeup_latency();
+  wire::Loop loop(bus, pace);
+  wire::RobotCommand command{};
+  wire::Scene scene{};
+  Order order{};
+  std::int64_t now_ns = 0;
+  std::int64_t first_ns = 0;
+  std::uint64_t cycles = 0;
+  while (loop.wait(now_ns)) {
+    const std::int64_t begin_ns = rt::now_ns();
+    if (first_ns == 0) first_ns = now_ns;
+    while (orders.take(order)) cycle.obey(order);
+    if (commands.take(command)) cycle.command(command);
+    cycle.step();
+    states.put(cycle.state(), now_ns);
+    if (cycle.scene_due(now_ns, scene)) scenes.put(scene, now_ns);
+    ++cycles;
+    missed.store(loop.missed_cycles(), std::memory_order_relaxed);
+    factor.store(real_time_factor(cycles, now_ns - first_ns + kCycleNs), std::memory_order_relaxed);
+    const std::int64_t end_ns = rt::now_ns();
+    status.compute().add(1e-9 * static_cast<double>(end_ns - begin_ns));
+  }
+  return loop.failure();
+}
+
+std::vector<wire::Process> expected_processes(const std::vector<std::string>& names) {
+  std::vector<wire::Process> processes;
+  for (const std::string& name : names) {
+    int i = 0;
+    while (i < wire::kProcessCount && name != wire::process_name(static_cast<wire::Process>(i)))
+      ++i;
+    if (i == wire::kProcessCount || i == c3rt_v1_PROCESS_PLANT)
+      throw std::invalid_argument("--expect: no process \"" + name + "\" to wait for");
+    processes.push_back(static_cast<wire::Process>(i));
+  }
+  return processes;
+}
+
+std::string run_lockstep(wire::Bus& bus, Cycle& cycle, wire::StatusReporter& status,
+                         const std::vector<std::string>& expect) {
+  auto& factor = status.counter("real_time_factor_1e3");
+  OrderQueue orders;
+  ClientDesk desk(bus, cycle, status, orders);
+  wire::Reader<wire::RobotCommand> commands(bus);
+  wire::Writer<wire::RobotState> states(bus);
+  wire::Writer<wire::Scene> scenes(bus);
+  wire::LockstepMaster master(bus, expected_processes(expect), kJoinTimeoutNs);
+
+  wire::RobotCommand command{};
+  wire::Scene scene{};
+  Order order{};
+  const std::int64_t start_ns = rt::now_ns();
+  std::uint64_t cycles = 0;
+  // time begins at one cycle: 0 means "none" in a stamp
+  for (std::int64_t now_ns = kCycleNs;; now_ns += kCycleNs) {
+    const std::int64_t begin_ns = rt::now_ns();
+    wire::RobotState state = cycle.state();
+    states.write(state, now_ns);
+    if (cycle.scene_due(now_ns, scene)) scenes.write(scene, now_ns);
+    if (!master.advance(now_ns)) return master.failure();
+    desk.serve(now_ns);
+    while (orders.take(order)) cycle.obey(order);
+    if (commands.take_effective(now_ns, command)) cycle.command(command);
+    cycle.step();
+    ++cycles;
+    const std::int64_t end_ns = rt::now_ns();
+    factor.store(real_time_factor(cycles, end_ns - start_ns), std::memory_order_relaxed);
+    status.compute().add(1e-9 * static_cast<double>(end_ns - begin_ns));
+  }
+}
+
+int run(int argc, char** argv) {
+  int exit_status = 0;
+  const auto options = config::parse_process_options(
+      argc, argv, "c3rt-plant",
+      "The simulated robot with its 1 kHz torque interface, the table and the balls.", exit_status);
+  if (!options) return exit_status;
+  const wire::StopFlag stop;
+  const config::Scenario scenario =
+      config::load_scenario(options->scenario_path, options->overrides);
+  const bool lockstep = options->clock == config::Clock::kLockstep;
+  const std::uint64_t session = options->session != 0 ? options->session : wire::draw_session();
+  wire::Bus bus({options->domain, options->dds_profile,
+                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime, session});
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT);
+  const auto cycle = std::make_unique<Cycle>(scenario, status);
+  spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
+               lockstep ? "lockstep" : "realtime", session, scenario.plant.world.step,
+               scenario.plant.world.balls.size());
+  const std::string failure = lockstep ? run_lockstep(bus, *cycle, status, options->expect)
+                                       : run_realtime(bus, *cycle, status);
+  if (!failure.empty()) {
+    spdlog::error("stop: {}", failure);
+    return 1;
+  }
+  spdlog::info("stop");
+  return 0;
+}
+
+}  // namespace
+}  // namespace c3rt::plant
+
+int main(int argc, char** argv) try {
+  // what MuJoCo warns about becomes a named error of the robot; it shall not write a log file of
+  // its own
+  mju_user_warning = [](const char*) {};
+  return c3rt::plant::run(argc, argv);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "c3rt-plant: %s\n", error.what());
+  return 2;
+}

@@ -1,0 +1,199 @@
+// The process c3rt-plant on a real bus, with this test as its controller.
+#include "idl/process.hpp"
+
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "controller/rt/periodic_clock.hpp"
+#include "plant_emulator/errors.hpp"
+
+extern char** environ;
+
+namespace c3rt::plant {
+namespace {
+
+const std::string kScenario =
+    std::string(C3RT_SOURCE_DIRECTORY) + "/config/scenarios/circle_slow.yaml";
+const std::string kProfile = std::string(C3RT_SOURCE_DIRECTORY) + "/config/dds/loopback.xml";
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+
+/// c3rt-plant as a child process; killed if the test forgets it.
+class Child {
+ public:
+  explicit Child(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-plant");
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    REQUIRE(posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) == 0);
+  }
+  ~Child() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+  void signal(int number) const { kill(pid_, number); }
+  /// Exit status; -1 if a signal ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+std::vector<std::string> arguments(const std::string& clock) {
+  return {kScenario,       "--clock", clock, "--domain", std::to_string(test_domain()),
+          "--dds-profile", kProfile};
+}
+
+/// Turns the controller's cycle until `done`, at most 20 s.
+bool until(const std::function<bool()>& done, const std::function<void()>& cycle) {
+  rt::PeriodicClock clock(1'000'000);
+  const std::int64_t end_ns = rt::now_ns() + 20 * kSecond;
+  while (!done()) {
+    if (rt::now_ns() > end_ns) return false;
+    cycle();
+    clock.wait();
+  }
+  return true;
+}
+
+TEST_CASE(
+    "in realtime the plant moves while it is commanded, stops when it is not, and recovers on "
+    "request") {
+  Child child(arguments("realtime"));
+  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, 0});
+  wire::Reader<wire::RobotState> states(bus);
+  wire::Reader<wire::Scene> scenes(bus);
+  wire::Reader<wire::ServiceReply> replies(bus);
+  wire::Reader<wire::ServiceStatus> statuses(bus);
+  wire::Writer<wire::RobotCommand> commands(bus);
+  wire::Writer<wire::ServiceRequest> requests(bus);
+
+  wire::RobotState state{};
+  wire::Scene scene{};
+  int scenes_seen = 0;
+  const auto listen = [&] {
+    states.take_newest(state);
+    while (scenes.take(scene)) ++scenes_seen;
+  };
+  const auto command = [&] {
+    listen();
+    if (state.header.time_ns == 0) return;
+    wire::RobotCommand answer{};
+    answer.origin.state_ns = state.header.time_ns;
+    commands.write(answer, rt::now_ns());
+  };
+  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_MOVE; }, command));
+  CHECK(state.header.session_id == bus.session_id());
+  CHECK(state.command_seq > 0);
+  CHECK(state.command_state_ns > 0);
+  CHECK(std::abs(state.q_rad[3] + 2.222) < 0.01);
+  REQUIRE(until([&] { return scenes_seen > 10; }, command));
+  CHECK(scene.ball_count == 1);
+  CHECK(std::abs(scene.p_WB_m[0][0] - 0.55) < 1e-3);
+
+  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, listen));
+  CHECK(state.errors == bit(Error::kCommunicationConstraintsViolation));
+  wire::ServiceStatus status{};
+  REQUIRE(until(
+      [&] {
+        return statuses.take_newest(status) &&
+               std::strstr(status.text, "communication_constraints_violation") != nullptr;
+      },
+      listen));
+  CHECK(status.state == c3rt_v1_SERVICE_DEGRADED);
+
+  wire::ServiceRequest request{};
+  request.request_id = 7;
+  request.process = c3rt_v1_PROCESS_PLANT;
+  request.verb = c3rt_v1_REQUEST_RECOVER;
+  requests.write(request, rt::now_ns());
+  wire::ServiceReply reply{};
+  REQUIRE(until([&] { return replies.take(reply); }, listen));
+  CHECK(reply.request_id == 7);
+  CHECK(reply.ok);
+  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_IDLE; }, listen));
+  CHECK(state.errors == 0);
+  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_MOVE; }, command));
+
+  child.signal(SIGTERM);
+  CHECK(child.wait() == 0);
+}
+
+struct Trace {
+  std::vector<double> numbers;
+  int exposures = 0;
+};
+
+/// The states and scenes of 0.4 s in lockstep while a joint spring holds the arm.
+Trace lockstep_trace() {
+  std::vector<std::string> with_controller = arguments("lockstep");
+  with_controller.insert(with_controller.end(), {"--expect", "impedance"});
+  Child child(with_controller);
+  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
+  wire::Reader<wire::RobotState> states(bus);
+  wire::Reader<wire::Scene> scenes(bus);
+  wire::Writer<wire::RobotCommand> commands(bus);
+  wire::Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, 1'000'000});
+  Trace trace;
+  wire::RobotState state{};
+  wire::Scene scene{};
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (!loop.wait(now_ns)) FAIL(loop.failure());
+    REQUIRE(states.take(state));
+    REQUIRE(state.header.time_ns == now_ns);
+    CHECK(state.command_state_ns ==
+          (i == 0 ? 0 : now_ns - 1'000'000));  // the last cycle's answer was applied
+    for (const double q : state.q_rad) trace.numbers.push_back(q);
+    while (scenes.take(scene)) {
+      if (scene.exposure) ++trace.exposures;
+      for (const double p : scene.p_WB_m[0]) trace.numbers.push_back(p);
+    }
+    wire::RobotCommand command{};
+    command.origin.state_ns = now_ns;
+    command.tau_nm[0] = 20 * (0.05 - state.q_rad[0]) - 2 * state.dq_rad_per_s[0];
+    REQUIRE(commands.write(command, now_ns));
+  }
+  child.signal(SIGTERM);
+  CHECK(child.wait() == 0);
+  return trace;
+}
+
+TEST_CASE(
+    "in lockstep the plant applies every answer in its own cycle, and twice gives the same bits") {
+  const Trace first = lockstep_trace();
+  const Trace second = lockstep_trace();
+  CHECK(first.numbers.at(399 * 7) != first.numbers.front());
+  CHECK(first.exposures == 33);  // 80 Hz: at 0, 12.5, .. 400 ms
+  CHECK(first.numbers == second.numbers);
+}
+
+TEST_CASE(
+    "a scenario that is not there or a process that cannot be expected is refused with exit status "
+    "2") {
+  CHECK(Child({"/nowhere.yaml"}).wait() == 2);
+  std::vector<std::string> wrong = arguments("lockstep");
+  wrong.insert(wrong.end(), {"--expect", "nobody"});
+  CHECK(Child(wrong).wait() == 2);
+}
+
+}  // namespace
+}  // namespace c3rt::plant
