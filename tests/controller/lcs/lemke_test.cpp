@@ -1,0 +1,210 @@
+#include "controller/lcs/lemke.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/rolling_ball.hpp"
+
+using namespace c3rt;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using lcs::LcpReport;
+using lcs::LcpStatus;
+using lcs::Lemke;
+
+namespace {
+
+double residual(const MatrixXd& F, const VectorXd& q, const VectorXd& lambda) {
+  return (F * lambda + q).cwiseMin(lambda).cwiseAbs().maxCoeff();
+}
+
+/// All complementary bases, one by one. The first that is a solution; none if none is.
+std::optional<VectorXd> enumerate(const MatrixXd& F, const VectorXd& q) {
+  const int n = static_cast<int>(q.size());
+  for (int mode = 0; mode < (1 << n); ++mode) {
+    std::vector<int> support;
+    for (int i = 0; i < n; ++i) {
+      if (mode & (1 << i)) support.push_back(i);
+    }
+    VectorXd lambda = VectorXd::Zero(n);
+    if (!support.empty()) {
+      const MatrixXd basis = F(support, support);
+      const Eigen::FullPivLU<MatrixXd> lu(basis);
+      if (!lu.isInvertible()) continue;
+      const VectorXd solution = lu.solve(-q(support));
+      for (std::size_t i = 0; i < support.size(); ++i) lambda[support[i]] = solution[i];
+    }
+    if (lambda.minCoeff() >= -1e-10 && (F * lambda + q).minCoeff() >= -1e-10) return lambda;
+  }
+  return std::nullopt;
+}
+
+/// A P-matrix (positive definite symmetric part, any skew part): the solution is unique.
+MatrixXd p_matrix(support::Random& random, int n) {
+  const MatrixXd half = random.matrix(n, n), skew = random.matrix(n, n);
+  return half * half.transpose() + 0.1 * MatrixXd::Identity(n, n) + skew - skew.transpose();
+}
+
+}  // namespace
+
+TEST_CASE("lemke: on P-matrices it finds the one solution that enumeration finds") {
+  support::Random random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 1 + random.index(8);
+    const MatrixXd F = p_matrix(random, n);
+    const VectorXd q = random.vector(n);
+    const auto expected = enumerate(F, q);
+    REQUIRE(expected.has_value());
+    Lemke lemke(n);
+    VectorXd lambda(n);
+    const LcpReport report = lemke.solve(F, q, lambda);
+    CAPTURE(trial, n, report.pivots);
+    CHECK(report.status == LcpStatus::kSolved);
+    CHECK((lambda - *expected).norm() < 1e-8 * (1.0 + expected->norm()));
+  }
+}
+
+TEST_CASE("lemke: frictional contact, copositive and degenerate, is solved at every state") {
+  support::Random random(2);
+  Lemke lemke(12);
+  VectorXd lambda(12);
+  int with_contact = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const VectorXd x = rolling_ball::state(random.uniform(-0.002, 0.01), random.uniform(-0.2, 0.2));
+    const double mu = trial % 5 == 0 ? 0.0 : random.uniform(0.1, 1.0);
+    const lcs::Lcs lcs = rolling_ball::unscaled_lcs(x, trial % 2 == 0 ? 0.1 : 0.0133, mu);
+    // zero input leaves ties everywhere: nothing moves the ball sideways
+    const VectorXd u = trial % 3 == 0 ? VectorXd::Zero(3) : VectorXd(random.vector(3));
+    const VectorXd q = lcs.E * x + lcs.H * u + lcs.c;
+    const LcpReport report = lemke.solve(lcs.F, q, lambda);
+    CAPTURE(trial, report.pivots, report.residual);
+    CHECK(report.status == LcpStatus::kSolved);
+    CHECK(residual(lcs.F, q, lambda) < 1e-9);
+    CHECK(report.residual < 1e-9);
+    with_contact += lambda.segment(2, 2).maxCoeff() > 0.0;
+  }
+  REQUIRE(with_contact > 400);
+}
+
+TEST_CASE("lemke: equal rows, zero right sides and ties do not make it cycle") {
+  support::Random random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 2 + random.index(7);
+    const MatrixXd half = random.matrix(n, 1 + n / 2);
+    const MatrixXd F = half * half.transpose();  // positive semidefinite, singular
+    VectorXd reachable = random.vector(n).cwiseAbs();
+    for (int i = 0; i < n; ++i) {
+      if (random.index(2) == 0) reachable[i] = 0.0;
+    }
+    VectorXd q = -F * reachable;  // λ = reachable is feasible, so a solution exists
+    for (int i = 0; i < n; ++i) {
+      if (reachable[i] == 0.0 && random.index(2) == 0) q[i] += std::round(2.0 * random.uniform(0, 1));
+    }
+    Lemke lemke(n);
+    VectorXd lambda(n);
+    const LcpReport report = lemke.solve(F, q, lambda);
+    CAPTURE(trial, n, report.pivots);
+    CHECK(report.status == LcpStatus::kSolved);
+    CHECK(residual(F, q, lambda) < 1e-9);
+  }
+}
+
+TEST_CASE("lemke: where there is no solution it says ray and gives no forces") {
+  Lemke lemke(2);
+  VectorXd lambda = VectorXd::Ones(2);
+  const MatrixXd F = (MatrixXd(2, 2) << -1, 0, 0, -1).finished();
+  const Eigen::Vector2d q(-1, -2);
+  REQUIRE_FALSE(enumerate(F, q).has_value());
+  const LcpReport report = lemke.solve(F, q, lambda);
+  REQUIRE(report.status == LcpStatus::kRay);
+  REQUIRE(report.residual == Approx(2.0));
+  REQUIRE(lambda.isZero());
+  const LcpReport regularised = lemke.solve_regularised(F, q, lambda);
+  REQUIRE(regularised.status == LcpStatus::kRay);
+  REQUIRE(lambda.isZero());
+}
+
+TEST_CASE("lemke: a ray over random matrices is never reported for a unique solution") {
+  // and whenever it reports a solution, it is one
+  support::Random random(4);
+  int rays = 0, solved = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const int n = 2 + random.index(4);
+    const MatrixXd F = random.matrix(n, n);
+    const VectorXd q = random.vector(n);
+    Lemke lemke(n);
+    VectorXd lambda(n);
+    const LcpReport report = lemke.solve(F, q, lambda);
+    if (report.status == LcpStatus::kSolved) {
+      ++solved;
+      CHECK(residual(F, q, lambda) < 1e-7);
+      CHECK(enumerate(F, q).has_value());
+    } else {
+      ++rays;
+      CHECK(report.status == LcpStatus::kRay);
+      CHECK(lambda.isZero());
+    }
+  }
+  REQUIRE(rays > 20);
+  REQUIRE(solved > 100);
+}
+
+TEST_CASE("lemke: the regularised method says which epsilon it needed, and 0 if none") {
+  Lemke lemke(2);
+  VectorXd lambda(2);
+  const MatrixXd easy = MatrixXd::Identity(2, 2);
+  const Eigen::Vector2d q(-1, -1);
+  REQUIRE(lemke.solve_regularised(easy, q, lambda).epsilon == 0.0);
+  REQUIRE(lambda.isApprox(Eigen::Vector2d(1, 1)));
+
+  // two constraints that ask for opposite signs: no solution, but F + ε I has one for every ε > 0
+  const MatrixXd F = (MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  const Eigen::Vector2d contradiction(-1.0, 0.5);
+  REQUIRE(lemke.solve(F, contradiction, lambda).status == LcpStatus::kRay);
+  const LcpReport report = lemke.solve_regularised(F, contradiction, lambda);
+  REQUIRE(report.status == LcpStatus::kSolved);
+  REQUIRE(report.epsilon > 0.0);
+  REQUIRE(report.residual > 0.1);  // and it does not hide that the given problem is not solved
+  REQUIRE(residual(F + report.epsilon * MatrixXd::Identity(2, 2), contradiction, lambda) < 1e-7);
+}
+
+TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
+  Lemke lemke(2);
+  VectorXd lambda(2);
+  Eigen::Matrix2d F = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d q(-1, -1);
+  q[1] = std::numeric_limits<double>::quiet_NaN();
+  REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kInaccurate);
+  REQUIRE(lambda.isZero());
+  F(0, 1) = std::numeric_limits<double>::infinity();
+  REQUIRE(lemke.solve_regularised(F, Eigen::Vector2d(-1, -1), lambda).status == LcpStatus::kInaccurate);
+  REQUIRE(lemke.solve(MatrixXd::Identity(3, 3), -VectorXd::Ones(3), lambda).status ==
+          LcpStatus::kInaccurate);
+}
+
+TEST_CASE("lemke: it does not allocate, whether it solves or ends on a ray") {
+  support::Random random(7);
+  const MatrixXd F = p_matrix(random, 20), no_solution = -MatrixXd::Identity(20, 20);
+  const VectorXd q = random.vector(20), negative = -VectorXd::Ones(20);
+  Lemke lemke(20);
+  VectorXd lambda(20);
+  std::int64_t heap_calls = -1;
+  LcpReport solved{}, ray{};
+  {
+    const support::AllocationCounter heap;
+    solved = lemke.solve(F, q, lambda);
+    ray = lemke.solve_regularised(no_solution, negative, lambda);
+    heap_calls = heap.count();
+  }
+  REQUIRE(solved.status == LcpStatus::kSolved);
+  REQUIRE(ray.status == LcpStatus::kRay);
+  REQUIRE(heap_calls == 0);
+}
