@@ -116,6 +116,37 @@ TEST_CASE("up to four balls start where the scenario puts them") {
   }
 }
 
+/// Presses the tool on a table just below it with 5 N and drags it with 3 N; gives the distance
+/// that it slid. [m]
+double drag(double friction) {
+  Parameters parameters = test_parameters();
+  const double bottom = Plant(parameters).state().p_WE.z() - kEndEffectorRadius;
+  parameters.world.table_height = bottom - 2e-4;
+  parameters.world.friction.end_effector_table = friction;
+  Plant plant(parameters);
+  const int site = mj_name2id(&plant.model(), mjOBJ_SITE, "end_effector");
+  const Vector7d damping = (Vector7d() << 5, 3, 5, 3, 1, 1, 0.3).finished();
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> J(3, plant.model().nv);
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    mj_jacSite(&plant.model(), &plant.data(), J.data(), nullptr, site);
+    const Eigen::Vector3d force(i > 1000 ? 3.0 : 0.0, 0, -5.0);
+    const Vector7d tau = J.leftCols<kJoints>().transpose() * force;
+    plant.set_command(tau - damping.cwiseProduct(plant.state().dq), i, 0);
+    plant.step_1ms();
+    if (i == 1000) start = plant.state().p_WE;
+  }
+  CHECK(plant.state().errors == 0);
+  CHECK(plant.state().p_WE.z() - kEndEffectorRadius ==
+        Approx(parameters.world.table_height).margin(1e-4));
+  return plant.state().p_WE.x() - start.x();
+}
+
+TEST_CASE("a tool pressed on the table sticks inside its friction cone and slides outside") {
+  CHECK(std::abs(drag(1.0)) < 5e-4);  // 3 N < 1.0 x 5 N
+  CHECK(drag(0.4) > 0.01);            // 3 N > 0.4 x 5 N
+}
+
 TEST_CASE("before the first command the arm holds its position") {
   Plant plant(test_parameters());
   run(plant, 2000);

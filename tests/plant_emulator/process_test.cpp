@@ -86,6 +86,8 @@ TEST_CASE(
   wire::Writer<wire::RobotCommand> commands(bus);
   wire::Writer<wire::ServiceRequest> requests(bus);
 
+  wire::Writer<wire::FaultInject> faults(bus);
+
   wire::RobotState state{};
   wire::Scene scene{};
   int scenes_seen = 0;
@@ -132,6 +134,34 @@ TEST_CASE(
   REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_IDLE; }, listen));
   CHECK(state.errors == 0);
   REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_MOVE; }, command));
+
+  wire::FaultInject fault{};
+  fault.process = c3rt_v1_PROCESS_PLANT;
+  fault.kind = c3rt_v1_FAULT_PUSH_BALL;
+  fault.value[1] = -0.01;
+  faults.write(fault, rt::now_ns());
+  REQUIRE(until([&] { return scene.v_WB_m_per_s[0][1] < -0.03; }, command));
+  fault.kind = c3rt_v1_FAULT_NAN;
+  fault.duration_s = 1e6;
+  faults.write(fault, rt::now_ns());
+  REQUIRE(until([&] { return std::isnan(state.q_rad[0]); }, command));
+  fault.kind = c3rt_v1_FAULT_NONE;
+  faults.write(fault, rt::now_ns());
+  REQUIRE(until([&] { return !std::isnan(state.q_rad[0]); }, command));
+  fault.kind = c3rt_v1_FAULT_DROP_COMMANDS;
+  faults.write(fault, rt::now_ns());
+  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, command));
+
+  const auto counter = [&](const char* wanted) -> std::uint64_t {
+    for (int i = 0; i < c3rt_v1_COUNTERS; ++i)
+      if (std::strcmp(status.counter_names[i], wanted) == 0) return status.counters[i];
+    return 0;
+  };
+  REQUIRE(until([&] { return statuses.take_newest(status) && counter("reflexes") >= 2; }, listen));
+  CHECK(counter("faults") == 4);
+  CHECK(counter("cycles") > 100);
+  CHECK(counter("lost_commands") >= 40);
+  CHECK(counter("real_time_factor_1e3") > 0);
 
   child.signal(SIGTERM);
   CHECK(child.wait() == 0);
