@@ -1,0 +1,127 @@
+#include "controller/impedance/servo.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "controller/rt/periodic_clock.hpp"
+
+namespace c3rt::impedance {
+
+namespace {
+
+constexpr double kSecondsPerNs = 1e-9;
+constexpr std::int64_t kEndFault = -1;
+
+Eigen::Vector3d to_vector(const double (&v)[3]) noexcept { return Eigen::Vector3d(v[0], v[1], v[2]); }
+void from_vector(const Eigen::Vector3d& v, double (&out)[3]) noexcept { Eigen::Map<Eigen::Vector3d>{out} = v; }
+
+PlanStatus status_of(c3rt_v1_PlanStatus status) noexcept {
+  switch (status) {
+    case c3rt_v1_PLAN_OK: return PlanStatus::kOk;
+    case c3rt_v1_PLAN_TRUNCATED: return PlanStatus::kTruncated;
+    case c3rt_v1_PLAN_FALLBACK: return PlanStatus::kFallback;
+  }
+  return PlanStatus::kUnknown;
+}
+
+c3rt_v1_ImpedanceMode to_wire(Mode mode) noexcept {
+  switch (mode) {
+    case Mode::kWait: return c3rt_v1_IMPEDANCE_WAIT;
+    case Mode::kHold: return c3rt_v1_IMPEDANCE_HOLD;
+    case Mode::kTrack: return c3rt_v1_IMPEDANCE_TRACK;
+    case Mode::kStop: break;
+  }
+  return c3rt_v1_IMPEDANCE_STOP;
+}
+
+void unpack(const wire::RobotState& state, Input& input) noexcept {
+  input.has_state = true;
+  input.session_id = state.header.session_id;
+  input.state_stamp_ns = state.header.time_ns;
+  input.q = Eigen::Map<const Vector7d>(state.q_rad);
+  input.dq = Eigen::Map<const Vector7d>(state.dq_rad_per_s);
+  input.robot_moves = state.mode == c3rt_v1_ROBOT_IDLE || state.mode == c3rt_v1_ROBOT_MOVE;
+}
+
+void unpack(const wire::Plan& plan, Input& input) noexcept {
+  input.has_plan = true;
+  input.plan.session_id = plan.header.session_id;
+  input.plan.stamp_ns = plan.header.time_ns;
+  input.plan.valid_until_ns = plan.valid_until_ns;
+  input.plan.status = status_of(plan.status);
+  input.plan.p_WE = to_vector(plan.p_WE_desired_m);
+  input.plan.v_WE = to_vector(plan.v_WE_desired_m_per_s);
+  const double(&q)[4] = plan.q_WE_desired;
+  input.plan.q_WE = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  input.plan.force_E = to_vector(plan.force_E_n);
+  input.plan.delta_t_c = plan.delta_t_c_s;
+}
+
+/// Takes a fault's duration, if one was injected, and gives the time until which it lasts.
+void begin(std::atomic<std::int64_t>& duration_ns, std::int64_t now_ns, std::int64_t& until_ns) noexcept {
+  const std::int64_t duration = duration_ns.exchange(0);
+  if (duration != 0) until_ns = now_ns + duration;
+}
+
+}  // namespace
+
+Servo::Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute)
+    : realtime_(bus.clock() == wire::ClockMode::kRealtime),
+      states_(bus),
+      plans_(bus),
+      commands_(bus),
+      controller_(parameters, std::move(arm)),
+      compute_(compute) {}
+
+void Servo::end_faults() noexcept {
+  stall_ns_.store(kEndFault);
+  spoil_ns_.store(kEndFault);
+}
+
+void Servo::cycle(std::int64_t now_ns) noexcept {
+  begin(stall_ns_, now_ns, stall_until_ns_);
+  begin(spoil_ns_, now_ns, spoil_until_ns_);
+  if (now_ns < stall_until_ns_) return;
+
+  const std::int64_t begin_ns = rt::now_ns();
+  take_samples(now_ns);
+  input_.now_ns = realtime_ ? rt::now_ns() : now_ns;
+  input_.stop = stop_.exchange(false);
+  input_.recover = recover_.exchange(false);
+  const Output output = controller_.step(input_);
+  if (output.mode != Mode::kWait) send(output, now_ns);
+  compute_.add(static_cast<double>(rt::now_ns() - begin_ns) * kSecondsPerNs);
+
+  ++snapshot_.cycle;
+  snapshot_.mode = output.mode;
+  snapshot_.stop_reason = output.stop_reason;
+  snapshot_.plan = output.plan;
+  snapshot_.counters = output.counters;
+  snapshots_.put(snapshot_);
+}
+
+void Servo::take_samples(std::int64_t now_ns) noexcept {
+  if (states_.take(now_ns, state_)) unpack(state_, input_);
+  if (plans_.take(now_ns, plan_)) unpack(plan_, input_);
+}
+
+void Servo::send(const Output& output, std::int64_t now_ns) noexcept {
+  command_.robot = state_.robot;
+  command_.origin = {};
+  if (output.mode == Mode::kTrack) {
+    command_.origin = plan_.origin;
+    command_.origin.plan_ns = plan_.header.time_ns;
+  }
+  command_.origin.state_ns = state_.header.time_ns;
+  Eigen::Map<Vector7d>{command_.tau_nm} = output.tau;
+  if (now_ns < spoil_until_ns_) command_.tau_nm[0] = std::numeric_limits<double>::quiet_NaN();
+  command_.mode = to_wire(output.mode);
+  from_vector(output.p_WE_desired, command_.p_WE_desired_m);
+  from_vector(output.v_WE_desired, command_.v_WE_desired_m_per_s);
+
+  const std::int64_t sent_ns = realtime_ ? rt::now_ns() : now_ns;
+  commands_.put(command_, sent_ns);
+  state_to_command_.add(static_cast<double>(sent_ns - state_.header.time_ns) * kSecondsPerNs);
+}
+
+}  // namespace c3rt::impedance

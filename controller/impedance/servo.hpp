@@ -1,0 +1,70 @@
+#pragma once
+// The loop body of c3rt-impedance: newest samples from the network, one step, command to the network.
+#include <atomic>
+#include <cstdint>
+
+#include "controller/impedance/controller.hpp"
+#include "controller/rt/latest.hpp"
+#include "controller/rt/statistics.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::impedance {
+
+/// What the servo thread tells the rest of the process, once per cycle.
+struct Snapshot {
+  std::uint64_t cycle = 0;  // since the start
+  Mode mode = Mode::kWait;
+  StopReason stop_reason = StopReason::kNone;
+  PlanVerdict plan = PlanVerdict::kNone;
+  Counters counters;
+};
+
+class Servo {
+ public:
+  /// @param compute gets the duration of every cycle
+  Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute);
+
+  /// One cycle. In realtime `now_ns` only paces; the step's time is read after the samples, so that none of them lies
+  /// in its future. RT (realtime): no heap, no lock, no throw.
+  void cycle(std::int64_t now_ns) noexcept;
+
+  // from any thread; they act in the next cycle
+  void stop() noexcept { stop_.store(true); }
+  void recover() noexcept { recover_.store(true); }
+  void stall(std::int64_t duration_ns) noexcept { stall_ns_.store(duration_ns); }  // takes and sends nothing
+  void spoil(std::int64_t duration_ns) noexcept { spoil_ns_.store(duration_ns); }  // sends NaN
+  void end_faults() noexcept;
+
+  /// From one other thread. false: no cycle since the last call.
+  bool take_snapshot(Snapshot& out) noexcept { return snapshots_.take(out); }
+  /// Age of the state that a command answers when the command is handed over [s].
+  const rt::Statistics& state_to_command() const noexcept { return state_to_command_; }
+  std::uint64_t states_lost() const noexcept { return states_.counters().lost; }
+  std::uint64_t plans_lost() const noexcept { return plans_.counters().lost; }
+  std::uint64_t commands_failed() const noexcept { return commands_.failed(); }
+
+ private:
+  void take_samples(std::int64_t now_ns) noexcept;
+  void send(const Output& output, std::int64_t now_ns) noexcept;
+
+  const bool realtime_;
+  wire::Inlet<wire::RobotState> states_;
+  wire::Inlet<wire::Plan> plans_;
+  wire::Outlet<wire::RobotCommand> commands_;
+  Controller controller_;
+
+  wire::RobotState state_{};
+  wire::Plan plan_{};
+  Input input_;
+  wire::RobotCommand command_{};
+  Snapshot snapshot_;
+
+  std::atomic<bool> stop_{false}, recover_{false};
+  std::atomic<std::int64_t> stall_ns_{0}, spoil_ns_{0};
+  std::int64_t stall_until_ns_ = 0, spoil_until_ns_ = 0;
+  rt::Latest<Snapshot> snapshots_;
+  rt::Statistics state_to_command_;
+  rt::Statistics& compute_;
+};
+
+}  // namespace c3rt::impedance
