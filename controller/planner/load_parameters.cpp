@@ -1,0 +1,104 @@
+#include "controller/planner/load_parameters.hpp"
+
+namespace c3rt::planner {
+namespace {
+
+constexpr config::Range kWeight{0.0, 1e12};
+constexpr config::Range kPositiveWeight{1e-12, 1e12};
+
+PhaseWeights load_weights(config::Section section) {
+  PhaseWeights weights{};
+  config::Section Q = section.section("Q");
+  weights.Q_end_effector = Q.number("end_effector", kWeight);
+  weights.Q_end_effector_velocity = Q.number("end_effector_velocity", kWeight);
+  weights.Q_ball_xy = Q.number("ball_xy", kWeight);
+  weights.Q_ball_z = Q.number("ball_z", kWeight);
+  weights.Q_ball_velocity = Q.number("ball_velocity", kWeight);
+  weights.R = section.number("R", kPositiveWeight);
+  config::Section G = section.section("G");
+  weights.G_x = G.number("x", kPositiveWeight);
+  weights.G_u = G.number("u", kPositiveWeight);
+  weights.G_gamma = G.number("gamma", kPositiveWeight);
+  weights.G_end_effector_normal = G.number("end_effector_normal", kPositiveWeight);
+  weights.G_end_effector_tangential = G.number("end_effector_tangential", kPositiveWeight);
+  weights.G_table_normal = G.number("table_normal", kPositiveWeight);
+  weights.G_table_tangential = G.number("table_tangential", kPositiveWeight);
+  config::Section U = section.section("U");
+  weights.U_x = U.number("x", kPositiveWeight);
+  weights.U_lambda = U.number("lambda", kPositiveWeight);
+  weights.U_u = U.number("u", kPositiveWeight);
+  return weights;
+}
+
+c3::Settings load_c3(config::Section section) {
+  c3::Settings settings{};
+  settings.admm_iterations = section.integer("admm_iterations", {1, 50});
+  settings.rho = section.number("rho", {1e-9, 1e9});
+  settings.rho_scale = section.number("rho_scale", {1, 100});
+  settings.qp = section.choice<c3::QpBackend>(
+      "qp", {{"direct", c3::QpBackend::kDirect}, {"osqp", c3::QpBackend::kOsqp}});
+  settings.projection = section.choice<c3::ProjectionKind>(
+      "projection", {{"miqp", c3::ProjectionKind::kMiqp}, {"lcp", c3::ProjectionKind::kLcp}});
+  settings.max_nodes = section.integer("max_nodes", {1, 1e6});
+  config::Section osqp = section.section("osqp");
+  settings.osqp.max_iterations = osqp.integer("max_iterations", {1, 1e6});
+  settings.osqp.eps = osqp.number("eps", {1e-12, 1});
+  settings.osqp.rho = osqp.number("rho", {1e-9, 1e9});
+  settings.osqp.adaptive_rho_interval = osqp.integer("adaptive_rho_interval", {0, 1e6});
+  settings.osqp.polish = osqp.boolean("polish");
+  settings.delta_starts_at_x0 = true;  // FIGURES 4.8: step 2 of Algorithm 3
+  return settings;
+}
+
+}  // namespace
+
+Parameters load_parameters(config::Section section, const CircleTask& circle) {
+  Parameters parameters{};
+  parameters.circle = circle;
+  parameters.rate = section.number("rate_hz", {1, 1000});
+  parameters.publish_delay = section.number("publish_delay_s", {0, 0.2});
+  parameters.valid_for = section.number("valid_for_s", {0.001, 5});
+  parameters.estimate_timeout = section.number("estimate_timeout_s", {0.01, 10});
+  parameters.deadline_fraction = section.number("deadline_fraction", {0.05, 1});
+  parameters.N = section.integer("horizon", {1, 10});
+  parameters.dt = section.number("step_s", {1e-3, 1});
+  parameters.delta_t_c_source = section.choice<DeltaTcSource>(
+      "delta_t_c", {{"period", DeltaTcSource::kPeriod}, {"solve_time", DeltaTcSource::kSolveTime}});
+  parameters.speed_limit = section.number("speed_limit_m_per_s", {0.01, 10});
+  parameters.predict_ball = section.boolean("predict_ball");
+  parameters.separate_overlap = section.boolean("separate_overlap");
+  parameters.tilt = section.number("tool_tilt_rad", {0, 0.6});
+
+  config::Section model = section.section("model");
+  parameters.model.end_effector_mass = model.number("end_effector_mass_kg", {1e-4, 100});
+  parameters.model.end_effector_radius = model.number("end_effector_radius_m", {1e-3, 1});
+  parameters.model.ball_mass = model.number("ball_mass_kg", {1e-3, 100});
+  parameters.model.ball_radius = model.number("ball_radius_m", {1e-3, 1});
+  parameters.model.table_height = model.number("table_height_m", {-2, 2});
+  parameters.model.friction_end_effector = model.number("friction_end_effector", {0, 10});
+  parameters.model.friction_table = model.number("friction_table", {0, 10});
+
+  parameters.c3 = load_c3(section.section("c3"));
+
+  config::Section weights = section.section("weights");
+  parameters.roll = load_weights(weights.section("roll"));
+  parameters.back = load_weights(weights.section("return"));
+
+  config::Section heuristic = section.section("heuristic");
+  parameters.heuristic.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});
+  parameters.heuristic.return_duration = heuristic.number("return_duration_s", {0.01, 60});
+  parameters.heuristic.roll_clearance = heuristic.number("roll_clearance_m", {-0.05, 0.2});
+  parameters.heuristic.return_back = heuristic.number("return_back_m", {0, 0.2});
+  parameters.heuristic.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
+
+  config::Section approach = section.section("approach");
+  parameters.approach.speed = approach.number("speed_m_per_s", {0.001, 1});
+  parameters.approach.safe_height = approach.number("safe_height_m", {0.05, 0.5});
+  parameters.approach.start_height = approach.number("start_height_above_ball_m", {0.01, 0.3});
+  parameters.approach.tolerance = approach.number("tolerance_m", {1e-4, 0.05});
+  parameters.approach.settle_time = approach.number("settle_time_s", {0, 10});
+  section.finish();
+  return parameters;
+}
+
+}  // namespace c3rt::planner

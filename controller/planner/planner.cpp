@@ -1,0 +1,295 @@
+#include "controller/planner/planner.hpp"
+
+#include <cmath>
+#include <deque>
+
+#include "controller/c3/solver.hpp"
+#include "controller/lcs/lcs.hpp"
+#include "controller/lcs/lemke.hpp"
+#include "controller/lcs/step.hpp"
+
+namespace c3rt::planner {
+namespace {
+
+using L = model::BallLayout;
+constexpr std::size_t kPeriodsAveraged = 10;
+
+c3::Costs costs_of(const PhaseWeights& weights) {
+  constexpr int n_z = L::n_x + L::n_lambda + L::n_u;
+  Eigen::VectorXd Q = Eigen::VectorXd::Zero(L::n_x);
+  Q.segment<3>(L::p_WE).setConstant(weights.Q_end_effector);
+  Q.segment<2>(L::p_WB).setConstant(weights.Q_ball_xy);
+  Q[L::p_WB + 2] = weights.Q_ball_z;
+  Q.segment<3>(L::v_WE).setConstant(weights.Q_end_effector_velocity);
+  Q.segment<3>(L::omega_WB).setConstant(weights.Q_ball_velocity);
+  Q.segment<3>(L::v_WB).setConstant(weights.Q_ball_velocity);
+
+  Eigen::VectorXd G(n_z);
+  G.head(L::n_x).setConstant(weights.G_x);
+  auto G_lambda = G.segment(L::n_x, L::n_lambda);
+  G_lambda.segment<L::n_c>(L::gamma).setConstant(weights.G_gamma);
+  G_lambda[L::normal_end_effector] = weights.G_end_effector_normal;
+  G_lambda[L::normal_table] = weights.G_table_normal;
+  G_lambda.segment<L::n_e>(L::tangent_end_effector).setConstant(weights.G_end_effector_tangential);
+  G_lambda.segment<L::n_e>(L::tangent_table).setConstant(weights.G_table_tangential);
+  G.tail(L::n_u).setConstant(weights.G_u);
+
+  Eigen::VectorXd U(n_z);
+  U.head(L::n_x).setConstant(weights.U_x);
+  U.segment(L::n_x, L::n_lambda).setConstant(weights.U_lambda);
+  U.tail(L::n_u).setConstant(weights.U_u);
+
+  c3::Costs costs;
+  costs.Q = Q.asDiagonal();
+  costs.Q_N = costs.Q;
+  costs.R = weights.R * Eigen::MatrixXd::Identity(L::n_u, L::n_u);
+  costs.G = G.asDiagonal();
+  costs.U = U.asDiagonal();
+  return costs;
+}
+
+// The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
+Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
+  const Eigen::Quaterniond down(0.0, 1.0, 0.0, 0.0);
+  if (tilt == 0.0 || e.norm() < 1e-9) return down;
+  const Eigen::Vector2d direction = e.normalized();
+  return Eigen::AngleAxisd(tilt, Eigen::Vector3d(direction.y(), -direction.x(), 0.0)) * down;
+}
+
+}  // namespace
+
+Mode next(Mode mode, const Situation& situation) {
+  if (!situation.state_fresh) return Mode::kWait;
+  if (!situation.ball_fresh || situation.hold_requested) return Mode::kHold;
+  switch (mode) {
+    case Mode::kWait:
+    case Mode::kHold:
+      return Mode::kApproach;
+    case Mode::kApproach:
+      return situation.start_pose_reached ? Mode::kReturn : Mode::kApproach;
+    case Mode::kRoll:
+    case Mode::kReturn:
+      return situation.returning ? Mode::kReturn : Mode::kRoll;
+  }
+  return Mode::kHold;
+}
+
+struct Planner::Workspace {
+  explicit Workspace(const Parameters& parameters)
+      : solver({L::n_x, L::n_lambda, L::n_u, parameters.N}, parameters.c3),
+        lemke(L::n_lambda),
+        roll(costs_of(parameters.roll)),
+        back(costs_of(parameters.back)),
+        x_desired(L::n_x, parameters.N + 1),
+        x_next(L::n_x),
+        lambda(L::n_lambda) {
+    // refuses unusable weights at the start, not in the loop
+    use(Phase::kReturnUp);
+    use(Phase::kRoll);
+  }
+
+  void use(Phase phase) {
+    const c3::Costs* wanted = phase == Phase::kRoll ? &roll : &back;
+    if (wanted != in_use) solver.set_costs(*wanted);
+    in_use = wanted;
+  }
+
+  c3::Solver solver;
+  lcs::Lemke lemke;
+  c3::Costs roll, back;
+  const c3::Costs* in_use = nullptr;
+  Eigen::MatrixXd x_desired;
+  Eigen::VectorXd x_next, lambda;
+  std::deque<double> periods;
+};
+
+Planner::Planner(const Parameters& parameters)
+    : parameters_(parameters), workspace_(std::make_unique<Workspace>(parameters)) {
+  plan_.lambda_d = Eigen::VectorXd::Zero(L::n_lambda);
+  plan_.x = Eigen::MatrixXd::Zero(L::n_x, parameters.N);
+  plan_.lambda = Eigen::MatrixXd::Zero(L::n_lambda, parameters.N);
+  plan_.u = Eigen::MatrixXd::Zero(L::n_u, parameters.N);
+  plan_.ball_target.setZero();
+  hold(Eigen::Vector3d::Zero());
+}
+
+Planner::~Planner() = default;
+
+const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
+  const double period = previous_now_ < 0.0 ? 1.0 / parameters_.rate : input.now - previous_now_;
+  previous_now_ = input.now;
+  workspace_->periods.push_back(period);
+  if (workspace_->periods.size() > kPeriodsAveraged) workspace_->periods.pop_front();
+
+  Situation situation{};
+  situation.state_fresh = input.state_fresh && input.p_WE.allFinite() && input.v_WE.allFinite();
+  situation.ball_fresh = input.ball_fresh && input.p_WB.allFinite() && input.v_WB.allFinite() &&
+                         input.omega_WB.allFinite() && input.q_WB.coeffs().allFinite();
+  situation.hold_requested = input.hold_requested;
+  situation.start_pose_reached = settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
+  const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
+  const Phase phase =
+      phase_at(parameters_.heuristic, in_c3 && c3_since_ >= 0.0 ? input.now - c3_since_ : 0.0);
+  situation.returning = phase != Phase::kRoll;
+
+  const Mode previous = mode_;
+  mode_ = next(mode_, situation);
+  if (mode_ != previous) {
+    if (mode_ == Mode::kApproach || mode_ == Mode::kHold) {
+      reference_ = input.p_WE;
+      settled_since_ = -1.0;
+    }
+    if (previous == Mode::kApproach && mode_ == Mode::kReturn) c3_since_ = input.now;
+    if (in_c3 && !situation.ball_fresh) ++counters_.ball_lost;
+  }
+
+  switch (mode_) {
+    case Mode::kWait:
+      hold(input.state_fresh ? input.p_WE : Eigen::Vector3d::Zero());
+      plan_.status = PlanStatus::kFallback;
+      break;
+    case Mode::kHold: {
+      // out of the cameras' way, where it can start again from
+      const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
+      reference_.z() = std::max(reference_.z(), std::min(safe, reference_.z() + parameters_.approach.speed * period));
+      hold(reference_);
+      break;
+    }
+    case Mode::kApproach:
+      approach(input);
+      break;
+    case Mode::kRoll:
+    case Mode::kReturn:
+      plan_with_c3(input, deadline);
+      break;
+  }
+  plan_.mode = mode_;
+  return plan_;
+}
+
+void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
+  plan_.status = PlanStatus::kOk;
+  plan_.p_WE = p_WE;
+  plan_.v_WE.setZero();
+  plan_.q_WE = tool_orientation(0.0, Eigen::Vector2d::Zero());
+  plan_.force_E.setZero();
+  plan_.delta_t_c = 0.0;
+  plan_.u_c3.setZero();
+  plan_.lambda_d.setZero();
+  plan_.admm_iterations = 0;
+  plan_.complementarity_violation = 0.0;
+}
+
+void Planner::approach(const Input& input) noexcept {
+  const double period = workspace_->periods.back();
+  const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
+  const Eigen::Vector3d start(input.p_WB.x(), input.p_WB.y(), input.p_WB.z() + parameters_.approach.start_height);
+  const bool above = (reference_ - start).head<2>().norm() < parameters_.approach.tolerance;
+  // up, across, down: never through the ball
+  Eigen::Vector3d goal = start;
+  if (!above && reference_.z() < safe - parameters_.approach.tolerance) {
+    goal << reference_.x(), reference_.y(), safe;
+  } else if (!above) {
+    goal.z() = safe;
+  }
+  const Eigen::Vector3d way = goal - reference_;
+  const double step = parameters_.approach.speed * period;
+  const bool arrives = way.norm() <= step;
+  reference_ = arrives ? goal : Eigen::Vector3d(reference_ + way.normalized() * step);
+  hold(reference_);
+  if (!arrives) plan_.v_WE = way.normalized() * parameters_.approach.speed;
+  const Eigen::Vector2d target = circle_target(input.circle, input.p_WB.head<2>());
+  plan_.ball_target << target, input.p_WB.z();
+  if ((input.p_WE - start).norm() > parameters_.approach.tolerance) {
+    settled_since_ = -1.0;
+  } else if (settled_since_ < 0.0) {
+    settled_since_ = input.now;
+  }
+}
+
+void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
+  Workspace& work = *workspace_;
+  // the camera saw the ball a while ago; the arm's state is of now
+  const Eigen::Vector3d p_WB =
+      parameters_.predict_ball ? Eigen::Vector3d(input.p_WB + input.ball_age * input.v_WB) : input.p_WB;
+  const Eigen::Vector2d target = circle_target(input.circle, p_WB.head<2>());
+  const Eigen::Vector2d e = target - p_WB.head<2>();
+
+  // Algorithm 3, steps 1 and 2: x̂ and the LCS about it
+  model::BallState state{input.p_WE, input.q_WB, p_WB, input.v_WE, input.omega_WB, input.v_WB};
+  if (parameters_.separate_overlap)
+    model::separate(parameters_.model, Eigen::Vector3d(e.x(), e.y(), 0.0), state);
+  const model::ContactSystem system = model::ball_contact_system(parameters_.model, state);
+  const model::BallStateVector x_hat = model::to_vector(state);
+  lcs::Lcs planning = model::stewart_trinkle(system, parameters_.dt);
+  const double scale = lcs::force_scale(planning);
+  lcs::scale_forces(planning, scale);
+
+  const Phase phase = phase_at(parameters_.heuristic, input.now - c3_since_);
+  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
+  model::BallState desired{};
+  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase, state.p_WE, state.p_WB, target);
+  desired.q_WB.setIdentity();
+  desired.p_WB << target, ball_height;
+  desired.v_WE.setZero();
+  desired.omega_WB.setZero();
+  desired.v_WB.setZero();
+  work.x_desired.colwise() = Eigen::VectorXd(model::to_vector(desired));
+
+  // step 3: Algorithm 1
+  work.use(phase);
+  const c3::Solution& solution = work.solver.solve(planning, x_hat, work.x_desired, deadline);
+  counters_.branch_nodes += static_cast<std::uint64_t>(solution.branch_nodes);
+
+  // step 4
+  double delta_t_c = input.solve_time;
+  if (parameters_.delta_t_c_source == DeltaTcSource::kPeriod) {
+    double sum = 0.0;
+    for (const double period : work.periods) sum += period;
+    delta_t_c = sum / static_cast<double>(work.periods.size());
+  }
+  // a stalled process must not turn into a huge step when it comes back
+  delta_t_c = std::min(std::max(delta_t_c, 1e-3), parameters_.dt);
+
+  hold(input.p_WE);
+  plan_.ball_target = desired.p_WB;
+  plan_.q_WE = tool_orientation(parameters_.tilt, e);
+  plan_.delta_t_c = delta_t_c;
+  if (solution.status == c3::SolveStatus::kFailed) {
+    plan_.status = PlanStatus::kFallback;
+    ++counters_.fallbacks;
+    return;
+  }
+
+  // step 5: (x_d, λ_d) = L_Δt_c(x̂, u_C3)
+  const Eigen::Vector3d u_0 = solution.u_0();
+  const lcs::Lcs stepping = model::stewart_trinkle(system, delta_t_c);
+  if (!lcs::step(stepping, x_hat, u_0, work.lemke, work.x_next, work.lambda).ok()) {
+    plan_.status = PlanStatus::kFallback;
+    ++counters_.lcp_failures;
+    ++counters_.fallbacks;
+    return;
+  }
+  plan_.status = solution.status == c3::SolveStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
+  if (plan_.status == PlanStatus::kTruncated) ++counters_.truncated;
+  plan_.p_WE = work.x_next.segment<3>(L::p_WE);
+  plan_.v_WE = work.x_next.segment<3>(L::v_WE);
+  const double speed = plan_.v_WE.norm();
+  if (speed > parameters_.speed_limit) {
+    const Eigen::Vector3d way = plan_.p_WE - input.p_WE;
+    if (way.norm() > 0.0) plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * delta_t_c;
+    plan_.v_WE *= parameters_.speed_limit / speed;
+    ++counters_.speed_clamped;
+  }
+  plan_.force_E = model::force_on_end_effector(state, work.lambda);
+  plan_.lambda_d = work.lambda;
+  plan_.u_c3 = u_0;
+  plan_.x = solution.z.topRows(L::n_x);
+  plan_.lambda = scale * solution.z.middleRows(L::n_x, L::n_lambda);
+  plan_.u = solution.z.bottomRows(L::n_u);
+  plan_.admm_iterations = solution.iterations;
+  plan_.primal_residual = solution.primal_residual;
+  plan_.complementarity_violation = solution.complementarity_violation;
+}
+
+}  // namespace c3rt::planner

@@ -1,0 +1,280 @@
+// c3rt-planner: robot state and ball estimate in, plan out, at a fixed rate.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+#include <spdlog/spdlog.h>
+
+#include "config/process_options.hpp"
+#include "config/scenario.hpp"
+#include "controller/model/arm.hpp"
+#include "controller/planner/planner.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/dds.hpp"
+#include "idl/process.hpp"
+
+namespace {
+
+using namespace c3rt;
+
+constexpr long kRobot = 0, kBall = 0;
+constexpr double kStateTimeout = 0.1;  // [s]
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+std::int64_t nanoseconds(double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); }
+Eigen::Vector3d vector(const double (&a)[3]) { return {a[0], a[1], a[2]}; }
+template <std::size_t n, typename Derived>
+void fill(double (&out)[n], const Eigen::MatrixBase<Derived>& values) {
+  const auto count = std::min<Eigen::Index>(static_cast<Eigen::Index>(n), values.size());
+  for (Eigen::Index i = 0; i < count; ++i) out[i] = values[i];
+}
+
+/// Newest samples of what the planner listens to.
+struct Inputs {
+  explicit Inputs(wire::Bus& bus) : states(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
+  wire::Reader<wire::RobotState> states;
+  wire::Reader<wire::BallEstimate> estimates;
+  wire::Reader<wire::TaskTarget> targets;
+  wire::Reader<wire::ServiceRequest> requests;
+  wire::Reader<wire::FaultInject> faults;
+  wire::RobotState state{};
+  wire::BallEstimate estimate{};
+  bool has_state = false, has_estimate = false, hold = false;
+  planner::CircleTask circle{};
+  std::int64_t stall_until_ns = 0, nan_until_ns = 0;
+};
+
+bool usable(const wire::TaskTarget& target) {
+  return std::isfinite(target.center_m[0]) && std::isfinite(target.center_m[1]) && std::isfinite(target.lead_rad) &&
+         std::abs(target.lead_rad) <= M_PI && target.radius_m >= 0.01 && target.radius_m <= 0.5;
+}
+
+// what strangers write is checked here; @return a sentence for the log, empty if nothing happened
+std::string take_target(Inputs& in, const planner::CircleTask& scenario_circle) {
+  wire::TaskTarget target{};
+  std::string said;
+  while (in.targets.take(target)) {
+    switch (target.kind) {
+      case c3rt_v1_TARGET_SCENARIO:
+        in.circle = scenario_circle;
+        in.hold = false;
+        said = "target=scenario";
+        break;
+      case c3rt_v1_TARGET_HOLD:
+        in.hold = true;
+        said = "target=hold";
+        break;
+      case c3rt_v1_TARGET_CIRCLE:
+        if (!usable(target)) {
+          said = "target=refused expected a finite centre, radius in [0.01, 0.5] m and lead in [-pi, pi] rad";
+          break;
+        }
+        in.circle = {{target.center_m[0], target.center_m[1]}, target.radius_m, target.lead_rad};
+        in.hold = false;
+        said = "target=circle";
+        break;
+      default:
+        said = "target=refused this planner knows scenario, hold and circle";
+    }
+  }
+  return said;
+}
+
+void take_requests(Inputs& in, wire::Writer<wire::ServiceReply>& replies, std::int64_t now_ns) {
+  wire::ServiceRequest request{};
+  while (in.requests.take(request)) {
+    if (request.process != c3rt_v1_PROCESS_PLANNER) continue;
+    wire::ServiceReply reply{};
+    reply.request_id = request.request_id;
+    reply.process = c3rt_v1_PROCESS_PLANNER;
+    reply.ok = true;
+    if (request.verb == c3rt_v1_REQUEST_STOP) in.hold = true;
+    if (request.verb == c3rt_v1_REQUEST_RECOVER) in.hold = false;
+    std::snprintf(reply.text, sizeof reply.text, "%s", in.hold ? "holding" : "planning");
+    replies.write(reply, now_ns);
+  }
+  wire::FaultInject fault{};
+  while (in.faults.take(fault)) {
+    if (fault.process != c3rt_v1_PROCESS_PLANNER) continue;
+    const std::int64_t until_ns = now_ns + nanoseconds(std::clamp(fault.duration_s, 0.0, 3600.0));
+    if (fault.kind == c3rt_v1_FAULT_STALL) in.stall_until_ns = until_ns;
+    if (fault.kind == c3rt_v1_FAULT_NAN) in.nan_until_ns = until_ns;
+    if (fault.kind == c3rt_v1_FAULT_NONE) in.stall_until_ns = in.nan_until_ns = 0;
+  }
+}
+
+planner::Input planner_input(const Inputs& in, const planner::Parameters& parameters, std::int64_t now_ns,
+                             model::Arm& arm, double solve_time) {
+  planner::Input input{};
+  input.now = seconds(now_ns);
+  input.circle = in.circle;
+  input.hold_requested = in.hold;
+  input.solve_time = solve_time;
+  input.state_fresh = in.has_state && seconds(now_ns - in.state.header.time_ns) <= kStateTimeout;
+  if (in.has_state) {
+    model::ArmState arm_state;
+    arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad), Eigen::Map<const model::Vector7d>(in.state.dq_rad_per_s),
+               arm_state);
+    input.p_WE = arm_state.X_WE.translation();
+    input.v_WE = arm_state.V_WE.head<3>();
+  }
+  const wire::BallEstimate& ball = in.estimate;
+  input.ball_fresh = in.has_estimate && ball.valid &&
+                     seconds(now_ns - ball.exposure_ns) <= parameters.estimate_timeout;
+  input.ball_age = seconds(now_ns - ball.exposure_ns);
+  input.p_WB = vector(ball.p_WB_m);
+  input.v_WB = vector(ball.v_WB_m_per_s);
+  input.omega_WB = vector(ball.omega_rad_per_s);
+  input.q_WB = in.has_estimate
+                   ? Eigen::Quaterniond(ball.q_WB[0], ball.q_WB[1], ball.q_WB[2], ball.q_WB[3])
+                   : Eigen::Quaterniond::Identity();
+  return input;
+}
+
+c3rt_v1_PlanPhase phase_of(planner::Mode mode) {
+  switch (mode) {
+    case planner::Mode::kWait: return c3rt_v1_PHASE_WAIT;
+    case planner::Mode::kApproach: return c3rt_v1_PHASE_APPROACH;
+    case planner::Mode::kRoll: return c3rt_v1_PHASE_ROLL;
+    case planner::Mode::kReturn: return c3rt_v1_PHASE_RETURN;
+    case planner::Mode::kHold: return c3rt_v1_PHASE_HOLD;
+  }
+  return c3rt_v1_PHASE_HOLD;
+}
+
+wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, const planner::Parameters& parameters) {
+  using L = model::BallLayout;
+  wire::Plan out{};
+  out.robot = kRobot;
+  out.origin.state_ns = in.state.header.time_ns;
+  out.origin.exposure_ns = in.has_estimate ? in.estimate.exposure_ns : 0;
+  out.origin.estimate_ns = in.has_estimate ? in.estimate.header.time_ns : 0;
+  out.status = plan.status == planner::PlanStatus::kOk          ? c3rt_v1_PLAN_OK
+               : plan.status == planner::PlanStatus::kTruncated ? c3rt_v1_PLAN_TRUNCATED
+                                                                : c3rt_v1_PLAN_FALLBACK;
+  out.phase = phase_of(plan.mode);
+  fill(out.p_WE_desired_m, plan.p_WE);
+  fill(out.v_WE_desired_m_per_s, plan.v_WE);
+  fill(out.q_WE_desired, Eigen::Vector4d(plan.q_WE.w(), plan.q_WE.x(), plan.q_WE.y(), plan.q_WE.z()));
+  fill(out.force_E_n, plan.force_E);
+  fill(out.ball_target_m, plan.ball_target);
+  out.delta_t_c_s = plan.delta_t_c;
+  out.n_x = L::n_x;
+  out.n_lambda = L::n_lambda;
+  out.n_u = L::n_u;
+  out.N = parameters.N;
+  fill(out.u_c3, plan.u_c3);
+  fill(out.lambda_d, plan.lambda_d);
+  for (int k = 0; k < parameters.N; ++k) {
+    fill(out.x[k], plan.x.col(k));
+    fill(out.lambda[k], plan.lambda.col(k));
+    fill(out.u[k], plan.u.col(k));
+  }
+  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v1_MAX_ADMM);
+  fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(plan.primal_residual.size(), out.admm_iterations)));
+  out.complementarity_violation = plan.complementarity_violation;
+  return out;
+}
+
+struct DeadlineClock {
+  std::int64_t at_ns;
+  static bool reached(void* context) noexcept { return rt::now_ns() >= static_cast<DeadlineClock*>(context)->at_ns; }
+};
+
+void run(const config::ProcessOptions& options) {
+  const config::Scenario scenario = config::load_scenario(options.scenario_path, options.overrides);
+  const planner::Parameters& parameters = scenario.planner;
+  const bool realtime = options.clock == config::Clock::kRealtime;
+  wire::Bus bus({options.domain, options.dds_profile,
+                 realtime ? wire::ClockMode::kRealtime : wire::ClockMode::kLockstep, options.session});
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANNER);
+  auto& plans = status.counter("plans");
+  auto& overruns = status.counter("overruns");
+  auto& truncated = status.counter("truncated");
+  auto& fallbacks = status.counter("fallbacks");
+  auto& ball_lost = status.counter("ball_lost");
+
+  planner::Planner planner(parameters);
+  model::Arm arm(scenario.impedance.urdf_path.empty() ? model::panda_urdf_path() : scenario.impedance.urdf_path);
+  Inputs in(bus);
+  in.circle = parameters.circle;
+  wire::Writer<wire::Plan> writer(bus);
+  wire::Writer<wire::ServiceReply> replies(bus);
+  const std::int64_t period_ns = nanoseconds(1.0 / parameters.rate);
+  wire::Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, period_ns});
+  double solve_time = scenario.timing.solve_time_s;
+  planner::Mode mode = planner::Mode::kWait;
+  status.set_state(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
+  spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N, scenario.name);
+
+  std::int64_t now_ns = 0;
+  while (loop.wait(now_ns)) {
+    in.has_state |= in.states.take_effective(now_ns, in.state);
+    wire::BallEstimate estimate{};
+    if (in.estimates.take_effective(now_ns, estimate) && estimate.ball == kBall) {
+      in.estimate = estimate;
+      in.has_estimate = true;
+    }
+    if (const std::string said = take_target(in, parameters.circle); !said.empty()) spdlog::info("planner: {}", said);
+    take_requests(in, replies, now_ns);
+    if (now_ns < in.stall_until_ns) continue;
+
+    const std::int64_t started_ns = rt::now_ns();
+    DeadlineClock clock{started_ns + nanoseconds(parameters.deadline_fraction / parameters.rate)};
+    const planner::Plan& plan =
+        planner.step(planner_input(in, parameters, now_ns, arm, solve_time),
+                     realtime ? c3::Deadline{&DeadlineClock::reached, &clock} : c3::Deadline{});
+    const double measured = seconds(rt::now_ns() - started_ns);
+    solve_time = realtime ? measured : scenario.timing.solve_time_s;
+    status.compute().add(measured);
+    if (measured > 1.0 / parameters.rate) ++overruns;
+
+    if (in.has_state) {
+      wire::Plan out = to_wire(plan, in, parameters);
+      out.solve_time_s = measured;
+      // sent at once, in effect at a time that does not depend on how long the solve took
+      const std::int64_t solved_ns = realtime ? rt::now_ns() : now_ns + nanoseconds(scenario.timing.solve_time_s);
+      const std::int64_t effective_ns = std::max(now_ns + nanoseconds(parameters.publish_delay), solved_ns);
+      out.valid_until_ns = effective_ns + nanoseconds(parameters.valid_for);
+      if (now_ns < in.nan_until_ns) out.p_WE_desired_m[0] = std::nan("");
+      writer.write(out, effective_ns);
+      ++plans;
+    }
+    truncated = planner.counters().truncated;
+    fallbacks = planner.counters().fallbacks;
+    ball_lost = planner.counters().ball_lost;
+    if (plan.mode != mode) {
+      mode = plan.mode;
+      static constexpr const char* kNames[] = {"wait", "approach", "roll", "return", "hold"};
+      status.set_state(mode == planner::Mode::kHold ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
+                       mode == planner::Mode::kHold ? "holding: no ball in view, or asked to hold"
+                                                    : kNames[static_cast<int>(mode)]);
+    }
+  }
+  if (!loop.failure().empty()) throw wire::WireError(loop.failure());
+  spdlog::info("planner: stop plans={} truncated={} fallbacks={} ball_lost={} lcp_failures={} speed_clamped={}",
+               plans.load(), planner.counters().truncated, planner.counters().fallbacks, planner.counters().ball_lost,
+               planner.counters().lcp_failures, planner.counters().speed_clamped);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int exit_status = 0;
+  const auto options = c3rt::config::parse_process_options(
+      argc, argv, "c3rt-planner", "Consensus complementarity control at a fixed rate: plans contact-implicit motion",
+      exit_status);
+  if (!options) return exit_status;
+  const c3rt::wire::StopFlag stop;
+  try {
+    run(*options);
+    return 0;
+  } catch (const c3rt::config::ConfigError& error) {
+    std::fprintf(stderr, "c3rt-planner: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "c3rt-planner: %s\n", error.what());
+    return 3;
+  }
+}

@@ -1,0 +1,96 @@
+#include "tests/support/closed_loop.hpp"
+
+#include <cmath>
+
+namespace c3rt::test {
+namespace {
+std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+std::string urdf(const config::Scenario& scenario) {
+  return scenario.impedance.urdf_path.empty() ? model::panda_urdf_path() : scenario.impedance.urdf_path;
+}
+}  // namespace
+
+ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
+    : scenario_(scenario),
+      plant_(scenario.plant),
+      sensor_(scenario.vision.emulated, seed),
+      estimator_(scenario.vision.estimator, scenario.plant.world.balls[0].radius),
+      planner_(scenario.planner),
+      impedance_(scenario.impedance, model::Arm(urdf(scenario))),
+      arm_(urdf(scenario)) {}
+
+void ClosedLoop::step_1ms() {
+  const plant::State& state = plant_.state();
+  const auto due = [&](std::uint64_t count, double rate) {
+    return now_ns_ >= nanoseconds(static_cast<double>(count) / rate);
+  };
+
+  if (due(exposures_, scenario_.vision.rate)) {
+    ++exposures_;
+    vision::Measurement measurement;
+    measurement.exposure_ns = now_ns_;
+    measurement.found = true;
+    measurement.p_WB = sensor_.measure(state.balls[0].p_WB);
+    estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimator_.step(measurement)});
+  }
+  while (!estimates_.empty() && estimates_.front().time_ns <= now_ns_) {
+    newest_estimate_ = estimates_.front().value;
+    estimates_.pop_front();
+  }
+
+  if (due(plans_made_, scenario_.planner.rate)) {
+    ++plans_made_;
+    arm_.update(state.q, state.dq, arm_state_);
+    planner::Input input{};
+    input.now = time();
+    input.state_fresh = true;
+    input.p_WE = arm_state_.X_WE.translation();
+    input.v_WE = arm_state_.V_WE.head<3>();
+    input.ball_fresh = newest_estimate_ && newest_estimate_->valid;
+    if (newest_estimate_) {
+      input.ball_age = 1e-9 * static_cast<double>(now_ns_ - newest_estimate_->exposure_ns);
+      input.p_WB = newest_estimate_->p_WB;
+      input.v_WB = newest_estimate_->v_WB;
+      input.omega_WB = newest_estimate_->omega_WB;
+      input.q_WB = newest_estimate_->q_WB;
+    }
+    input.circle = scenario_.planner.circle;
+    input.solve_time = scenario_.timing.solve_time_s;
+    plan_ = planner_.step(input);
+    impedance::Plan plan;
+    plan.session_id = 1;
+    plan.stamp_ns =
+        now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s, scenario_.planner.publish_delay));
+    plan.valid_until_ns = plan.stamp_ns + nanoseconds(scenario_.planner.valid_for);
+    plan.status = plan_.status == planner::PlanStatus::kFallback ? impedance::PlanStatus::kFallback
+                                                                 : impedance::PlanStatus::kOk;
+    plan.p_WE = plan_.p_WE;
+    plan.v_WE = plan_.v_WE;
+    plan.q_WE = plan_.q_WE;
+    plan.force_E = plan_.force_E;
+    plan.delta_t_c = plan_.delta_t_c;
+    plans_.push_back({plan.stamp_ns, plan});
+  }
+  while (!plans_.empty() && plans_.front().time_ns <= now_ns_) {
+    newest_plan_ = plans_.front().value;
+    has_plan_ = true;
+    plans_.pop_front();
+  }
+
+  impedance::Input input;
+  input.now_ns = now_ns_;
+  input.has_state = true;
+  input.session_id = 1;
+  input.state_stamp_ns = now_ns_;
+  input.q = state.q;
+  input.dq = state.dq;
+  input.robot_moves = state.mode == plant::Mode::kIdle || state.mode == plant::Mode::kMove;
+  input.has_plan = has_plan_;
+  input.plan = newest_plan_;
+  output_ = impedance_.step(input);
+  if (output_.mode != impedance::Mode::kWait) plant_.set_command(output_.tau, ++cycle_, now_ns_);
+  plant_.step_1ms();
+  now_ns_ += 1'000'000;
+}
+
+}  // namespace c3rt::test

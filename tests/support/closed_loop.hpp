@@ -1,0 +1,55 @@
+#pragma once
+// The whole loop in one process, without DDS: plant, emulated sensing, planner and impedance law, in the order and
+// with the delays of a lockstep run. For tests of behaviour and for tuning.
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "config/scenario.hpp"
+#include "controller/impedance/controller.hpp"
+#include "controller/planner/planner.hpp"
+#include "plant_emulator/plant.hpp"
+#include "vision/emulated.hpp"
+#include "vision/track/estimator.hpp"
+
+namespace c3rt::test {
+
+class ClosedLoop {
+ public:
+  ClosedLoop(const config::Scenario& scenario, std::uint64_t seed);
+  void step_1ms();
+
+  double time() const { return 1e-9 * static_cast<double>(now_ns_); }
+  plant::Plant& plant() { return plant_; }
+  const planner::Planner& planner() const { return planner_; }
+  const planner::Plan& plan() const { return plan_; }             // the newest computed
+  const impedance::Output& output() const { return output_; }     // of the last cycle
+  const vision::Estimate& estimate() const { return estimator_.estimate(); }
+
+ private:
+  template <typename T>
+  struct Stamped {
+    std::int64_t time_ns;  // takes effect
+    T value;
+  };
+
+  config::Scenario scenario_;
+  plant::Plant plant_;
+  vision::EmulatedSensor sensor_;
+  vision::Estimator estimator_;
+  planner::Planner planner_;
+  impedance::Controller impedance_;
+  model::Arm arm_;
+  model::ArmState arm_state_;
+  std::deque<Stamped<vision::Estimate>> estimates_;
+  std::deque<Stamped<impedance::Plan>> plans_;
+  std::optional<vision::Estimate> newest_estimate_;
+  impedance::Plan newest_plan_;
+  bool has_plan_ = false;
+  planner::Plan plan_;
+  impedance::Output output_{};
+  std::int64_t now_ns_ = 0;
+  std::uint64_t cycle_ = 0, exposures_ = 0, plans_made_ = 0;
+};
+
+}  // namespace c3rt::test
