@@ -45,12 +45,12 @@ Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Qua
 }  // namespace
 
 StateFault judge_state(const Input& input, const Limits& limits) noexcept {
-  if (seconds_between(input.state_stamp_ns, input.now_ns) > limits.state_timeout) return StateFault::kStale;
   if (!input.q.allFinite() || !input.dq.allFinite()) return StateFault::kNotFinite;
   if ((input.q.array() < limits.q_min.array()).any() || (input.q.array() > limits.q_max.array()).any()) {
     return StateFault::kJointPosition;
   }
   if ((input.dq.array().abs() > limits.dq_max.array()).any()) return StateFault::kJointVelocity;
+  if (seconds_between(input.state_stamp_ns, input.now_ns) > limits.state_timeout) return StateFault::kStale;
   return StateFault::kNone;
 }
 
@@ -93,7 +93,7 @@ Output Controller::step(const Input& input) noexcept {
   change_mode(input);
 
   if (mode_ != Mode::kWait) {
-    const bool state_usable = fault_ != StateFault::kStale && fault_ != StateFault::kNotFinite;
+    const bool state_usable = fault_ != StateFault::kNotFinite && stale_cycles_ <= kPatience;
     Vector7d wanted = Vector7d::Zero();
     if (state_usable) {
       arm_.update(input.q, input.dq, state_);
@@ -127,6 +127,7 @@ void Controller::meet_new_robot(std::uint64_t session_id) noexcept {
   mode_ = Mode::kWait;
   stop_reason_ = StopReason::kNone;
   judged_plan_ns_ = 0;
+  stale_cycles_ = 0;
   tau_.setZero();
 }
 
@@ -138,6 +139,8 @@ void Controller::change_mode(const Input& input) noexcept {
     if (plan_verdict_ == PlanVerdict::kInvalid) ++counters_.plans_invalid;
   }
   fault_ = judge_state(input, parameters_.limits);
+  stale_cycles_ = fault_ == StateFault::kStale ? stale_cycles_ + 1 : 0;
+  if (fault_ == StateFault::kStale && stale_cycles_ <= kPatience) fault_ = StateFault::kNone;
 
   Health health{};
   health.state_seen = input.has_state;

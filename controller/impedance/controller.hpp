@@ -49,7 +49,11 @@ struct Input {
   bool recover = false;
 };
 
-/// What is wrong with the robot state; anything but kNone stops the arm.
+/// Cycles in a row for which the robot state may be too old. After a pause of the whole machine the first state at
+/// hand is old and the next ones are not; the robot itself forgives as many lost commands.
+constexpr int kPatience = 20;
+
+/// What is wrong with the robot state; anything but kNone stops the arm (kStale: after kPatience cycles).
 enum class StateFault { kNone, kStale, kNotFinite, kJointPosition, kJointVelocity };
 StateFault judge_state(const Input& input, const Limits& limits) noexcept;
 
@@ -121,6 +125,7 @@ class Controller {
   Mode mode_ = Mode::kWait;
   StopReason stop_reason_ = StopReason::kNone;
   StateFault fault_ = StateFault::kNone;
+  int stale_cycles_ = 0;  // in a row
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
   Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();

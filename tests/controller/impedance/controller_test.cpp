@@ -359,6 +359,11 @@ TEST_CASE("controller: a stale, not finite or forbidden robot state stops it unt
     Input input = with_plan(200 * kMs);
     spoil(input);
     Output output = controller.step(input);
+    if (reason == StopReason::kStateStale) {
+      for (int k = 1; k < kPatience; ++k) output = controller.step(input);
+      CHECK(output.mode == Mode::kTrack);
+      output = controller.step(input);
+    }
     CHECK(output.mode == Mode::kStop);
     CHECK(output.stop_reason == reason);
     CHECK(output.tau.allFinite());
@@ -368,8 +373,10 @@ TEST_CASE("controller: a stale, not finite or forbidden robot state stops it unt
     CHECK(output.mode == Mode::kStop);
     CHECK(output.stop_reason == reason);
     // and a recovery with a bad state neither
-    input.recover = true;
-    CHECK(controller.step(input).mode == Mode::kStop);
+    if (reason != StopReason::kStateStale) {
+      input.recover = true;
+      CHECK(controller.step(input).mode == Mode::kStop);
+    }
     Input good = with_plan(220 * kMs);
     good.recover = true;
     output = controller.step(good);
@@ -383,6 +390,15 @@ TEST_CASE("controller: a stale, not finite or forbidden robot state stops it unt
   stops([](Input& input) { input.q[3] = 0.0; }, StopReason::kJointPosition);
   stops([](Input& input) { input.dq[6] = -2.7; }, StopReason::kJointVelocity);
   stops([](Input& input) { input.stop = true; }, StopReason::kRequested);
+}
+
+TEST_CASE("controller: a pause of the whole machine, after which one old state is at hand, is no reason to stop") {
+  Controller controller = make(parameters());
+  Input input = with_plan(kMs);
+  controller.step(input);
+  input.now_ns = 500 * kMs;  // woken before the robot's state of now has come
+  CHECK(controller.step(input).mode == Mode::kHold);  // the plan is too old, too
+  CHECK(controller.step(with_plan(501 * kMs)).mode == Mode::kTrack);
 }
 
 TEST_CASE("controller: a stop brakes the moving arm, with or without a plan") {
@@ -409,10 +425,12 @@ TEST_CASE("controller: without a usable state the torque fades to zero") {
   REQUIRE(output.tau.norm() > 5);
   Input stale = with_plan(300 * kMs);
   stale.state_stamp_ns = 100 * kMs;
+  for (int k = 0; k < kPatience; ++k) output = controller.step(stale);
   for (int k = 0; k < 100; ++k) {
     const double before = output.tau.norm();
     stale.now_ns += kMs;
     output = controller.step(stale);
+    REQUIRE(output.mode == Mode::kStop);
     CHECK(output.tau.norm() <= before);
   }
   CHECK(output.tau == Vector7d::Zero());
