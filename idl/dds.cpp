@@ -374,15 +374,12 @@ bool ReaderBase::believe(std::uint64_t session) noexcept {
   const std::uint64_t ours = bus_.session_id();
   if (session == ours || session == 0) return true;
   if (session < ours) return false;
-  const BusSettings& settings = bus_.implementation_->settings;
+  // only a plant draws sessions, so a newer one is a newer plant, whoever tells of it first; a client knows none
+  if (topic_.qos == Qos::kEvent) return true;
   // who draws the session itself (the plant) adopts no other
-  if (settings.session_id != 0) return false;
-  if (topic_.from_plant || topic_.qos == Qos::kStatus) {
-    bus_.adopt_session(session);
-    return true;
-  }
-  // a client that has not heard the plant may still talk about services
-  return ours == 0 && topic_.qos == Qos::kEvent;
+  if (bus_.implementation_->settings.session_id != 0) return false;
+  bus_.adopt_session(session);
+  return true;
 }
 
 int ReaderBase::pump() noexcept {

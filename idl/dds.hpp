@@ -24,7 +24,7 @@ struct BusSettings {
   std::uint32_t domain = 0;
   std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's CYCLONEDDS_URI
   ClockMode clock = ClockMode::kRealtime;
-  std::uint64_t session_id = 0;  // 0: adopt the newest that the plant writes
+  std::uint64_t session_id = 0;  // 0: adopt the newest that is heard
 };
 
 /// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every servo thread's.
@@ -125,7 +125,7 @@ class Writer : public WriterBase {
 struct ReaderCounters {
   std::uint64_t received = 0;
   std::uint64_t lost = 0;           // gaps in the sequence
-  std::uint64_t other_session = 0;  // dropped: from an older or unknown session
+  std::uint64_t other_session = 0;  // dropped: from an older session
   std::uint64_t out_of_order = 0;   // dropped: sequence number not newer
 };
 
@@ -158,9 +158,8 @@ class ReaderBase {
   virtual Header& header_at(int slot) noexcept = 0;
 
   /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the rules:
-  /// a sample of a newer session is believed if it comes from the plant (or tells of it: service/status), one of an
-  /// older or unknown session is dropped, session 0 is a client's and always accepted; the sequence of one writer
-  /// must grow. @return number of samples accepted. No heap beyond Cyclone's.
+  /// a newer session is adopted (not from clients' events), samples of an older one are dropped, session 0 is a
+  /// client's and always accepted; the sequence of one writer must grow. @return number of samples accepted. No heap beyond Cyclone's.
   int pump() noexcept;
   /// The slot of the oldest queued sample that may be given out; -1 if there is none.
   int front() noexcept;

@@ -23,19 +23,19 @@ const char* process_name(Process process) {
 namespace {
 
 // clang-format off
-constexpr Topic kRobotState    {"robot/state",     &c3rt_v1_RobotState_desc,     Qos::kStream, Stream::kRobotState,    true,  0.02};
-constexpr Topic kRobotCommand  {"robot/command",   &c3rt_v1_RobotCommand_desc,   Qos::kStream, Stream::kRobotCommand,  false, 0.02};
-constexpr Topic kPlan          {"plan",            &c3rt_v1_Plan_desc,           Qos::kPlan,   Stream::kPlan,          false, 0.0};
-constexpr Topic kBallDetection {"ball/detection",  &c3rt_v1_BallDetection_desc,  Qos::kStream, Stream::kBallDetection, false, 0.0};
-constexpr Topic kBallEstimate  {"ball/estimate",   &c3rt_v1_BallEstimate_desc,   Qos::kStream, Stream::kBallEstimate,  false, 0.1};
-constexpr Topic kTaskTarget    {"task/target",     &c3rt_v1_TaskTarget_desc,     Qos::kEvent,  Stream::kNone,          false, 0.0};
-constexpr Topic kScene         {"sim/scene",       &c3rt_v1_Scene_desc,          Qos::kStream, Stream::kScene,         true,  0.0};
-constexpr Topic kTick          {"sim/tick",        &c3rt_v1_Tick_desc,           Qos::kSync,   Stream::kNone,          true,  0.0};
-constexpr Topic kDone          {"sim/done",        &c3rt_v1_Done_desc,           Qos::kSync,   Stream::kNone,          false, 0.0};
-constexpr Topic kServiceStatus {"service/status",  &c3rt_v1_ServiceStatus_desc,  Qos::kStatus, Stream::kNone,          false, 0.0};
-constexpr Topic kServiceRequest{"service/request", &c3rt_v1_ServiceRequest_desc, Qos::kEvent,  Stream::kNone,          false, 0.0};
-constexpr Topic kServiceReply  {"service/reply",   &c3rt_v1_ServiceReply_desc,   Qos::kEvent,  Stream::kNone,          false, 0.0};
-constexpr Topic kFaultInject   {"fault/inject",    &c3rt_v1_FaultInject_desc,    Qos::kEvent,  Stream::kNone,          false, 0.0};
+constexpr Topic kRobotState    {"robot/state",     &c3rt_v1_RobotState_desc,     Qos::kStream, Stream::kRobotState,    0.02};
+constexpr Topic kRobotCommand  {"robot/command",   &c3rt_v1_RobotCommand_desc,   Qos::kStream, Stream::kRobotCommand,  0.02};
+constexpr Topic kPlan          {"plan",            &c3rt_v1_Plan_desc,           Qos::kPlan,   Stream::kPlan,          0.0};
+constexpr Topic kBallDetection {"ball/detection",  &c3rt_v1_BallDetection_desc,  Qos::kStream, Stream::kBallDetection, 0.0};
+constexpr Topic kBallEstimate  {"ball/estimate",   &c3rt_v1_BallEstimate_desc,   Qos::kStream, Stream::kBallEstimate,  0.1};
+constexpr Topic kTaskTarget    {"task/target",     &c3rt_v1_TaskTarget_desc,     Qos::kEvent,  Stream::kNone,          0.0};
+constexpr Topic kScene         {"sim/scene",       &c3rt_v1_Scene_desc,          Qos::kStream, Stream::kScene,         0.0};
+constexpr Topic kTick          {"sim/tick",        &c3rt_v1_Tick_desc,           Qos::kSync,   Stream::kNone,          0.0};
+constexpr Topic kDone          {"sim/done",        &c3rt_v1_Done_desc,           Qos::kSync,   Stream::kNone,          0.0};
+constexpr Topic kServiceStatus {"service/status",  &c3rt_v1_ServiceStatus_desc,  Qos::kStatus, Stream::kNone,          0.0};
+constexpr Topic kServiceRequest{"service/request", &c3rt_v1_ServiceRequest_desc, Qos::kEvent,  Stream::kNone,          0.0};
+constexpr Topic kServiceReply  {"service/reply",   &c3rt_v1_ServiceReply_desc,   Qos::kEvent,  Stream::kNone,          0.0};
+constexpr Topic kFaultInject   {"fault/inject",    &c3rt_v1_FaultInject_desc,    Qos::kEvent,  Stream::kNone,          0.0};
 // clang-format on
 
 }  // namespace

@@ -55,7 +55,6 @@ struct Topic {
   const dds_topic_descriptor_t* descriptor;
   Qos qos;
   Stream stream;
-  bool from_plant;     // its samples carry the session that everyone adopts
   double deadline_s;   // 0: none. Requested and offered where the topic is periodic (realtime only).
 };
 

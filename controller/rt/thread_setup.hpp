@@ -11,7 +11,8 @@ struct ThreadSettings {
   bool lock_memory = false;   // mlockall for the whole process, and a stack and heap that are already there
 };
 
-/// Applies the settings to the calling thread, as far as the kernel allows. Never throws, never ends the process.
+/// Applies the settings to the calling thread, as far as the kernel allows; it never ends the process. Threads that
+/// this one starts later inherit scheduler and CPUs: open the bus first, then call this.
 /// @return what was refused and why, as one sentence for a warning; empty if everything was granted.
 std::string setup_thread(const ThreadSettings& settings);
 

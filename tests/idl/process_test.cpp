@@ -1,0 +1,268 @@
+#include "idl/process.hpp"
+
+#include <cstring>
+#include <thread>
+
+#include <catch2/catch.hpp>
+#include <sched.h>
+
+#include "tests/idl/bus_fixture.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace c3rt::wire {
+namespace {
+
+using test::eventually;
+using test::kMs;
+using test::kSecond;
+
+TEST_CASE("Inlet and Outlet: the newest sample goes from servo thread to servo thread") {
+  Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
+  Outlet<RobotState> outlet(plant);
+  Inlet<RobotState> inlet(bus);
+  REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
+  RobotState state{};
+  for (int i = 1; i <= 200; ++i) {
+    state.q_rad[0] = i;
+    outlet.put(state, i * kMs);
+    if (i % 20 == 0) usleep(1000);
+  }
+  RobotState seen{};
+  double previous = 0.0;
+  bool ordered = true;
+  // others may be skipped, the newest never is
+  REQUIRE(eventually([&] {
+    if (!inlet.take(seen)) return false;
+    ordered = ordered && seen.q_rad[0] > previous;
+    previous = seen.q_rad[0];
+    return seen.q_rad[0] == 200.0;
+  }));
+  CHECK(ordered);
+  CHECK(seen.header.time_ns == 200 * kMs);
+  CHECK(seen.header.session_id == 1);
+  CHECK(outlet.failed() == 0);
+  CHECK(inlet.counters().lost == 0);
+  CHECK_FALSE(inlet.take(seen));
+}
+
+TEST_CASE("Outlet: what was put last is written even when the outlet closes at once") {
+  Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
+  Reader<TaskTarget> targets(bus);
+  TaskTarget target{};
+  for (int i = 1; i <= 20; ++i) {
+    {
+      Outlet<TaskTarget> outlet(plant);
+      REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
+      target.radius_m = i;
+      bus.adopt_session(1);
+      outlet.put(target, kMs);
+    }
+    TaskTarget seen{};
+    REQUIRE(eventually([&] { return targets.take(seen); }));
+    CHECK(seen.radius_m == i);
+  }
+}
+
+TEST_CASE("Inlet: a sample of an older session is not given to the servo thread") {
+  Bus old_plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
+  Writer<Plan> writer(old_plant);
+  Inlet<Plan> inlet(bus);
+  bus.adopt_session(1);
+  REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
+  Plan plan{};
+  writer.write(plan, kMs);
+  REQUIRE(eventually([&] { return inlet.counters().received == 1; }));
+  bus.adopt_session(2);
+  CHECK_FALSE(inlet.take(plan));
+}
+
+TEST_CASE("Inlet and Outlet: the servo side does not allocate") {
+  if (!support::AllocationCounter::counts()) return;
+  Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
+  Outlet<RobotCommand> outlet(plant);
+  Inlet<RobotCommand> inlet(bus);
+  bus.adopt_session(1);
+  REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
+  RobotCommand command{}, seen{};
+  std::int64_t heap_calls = -1;
+  int taken = 0;
+  {
+    const support::AllocationCounter heap;
+    for (int i = 1; i <= 300; ++i) {
+      outlet.put(command, i * kMs);
+      if (inlet.take(seen)) ++taken;
+      usleep(200);
+    }
+    heap_calls = heap.count();
+  }
+  CHECK(taken > 0);
+  CHECK(heap_calls == 0);
+}
+
+TEST_CASE("Inlet and Outlet: in lockstep they hold to what a tick promises, and make no thread") {
+  Bus plant(test::settings(ClockMode::kLockstep, 1)), bus(test::settings(ClockMode::kLockstep));
+  Outlet<RobotState> outlet(plant);
+  Inlet<RobotState> inlet(bus);
+  bus.hold_until_promised();
+  RobotState state{};
+  for (int i = 1; i <= 3; ++i) outlet.put(state, i * kMs);
+  Sequences promised{};
+  plant.newest_written(promised);
+  std::string missing;
+  REQUIRE(bus.wait_for(promised, 10 * kSecond, missing));
+  REQUIRE(inlet.take(2 * kMs, state));
+  CHECK(state.header.seq == 2);
+  CHECK_FALSE(inlet.take(2 * kMs, state));
+  REQUIRE(inlet.take(3 * kMs, state));
+  CHECK(state.header.seq == 3);
+}
+
+TEST_CASE("become_helper_thread: a helper of a real-time thread is ordinary") {
+  int policy = -1;
+  std::thread([&] {
+    sched_param fifo{};
+    fifo.sched_priority = 5;
+    // where this is refused the thread is ordinary already
+    pthread_setschedparam(pthread_self(), SCHED_FIFO, &fifo);
+    become_helper_thread("helper");
+    sched_param parameter{};
+    pthread_getschedparam(pthread_self(), &policy, &parameter);
+  }).join();
+  CHECK(policy == SCHED_OTHER);
+}
+
+TEST_CASE("Signal: raised before the wait is not lost, and is used up by it") {
+  Signal signal;
+  signal.raise();
+  signal.raise();
+  signal.wait(60 * kSecond);
+  const std::int64_t begin_ns = rt::now_ns();
+  signal.wait(20 * kMs);
+  CHECK(rt::now_ns() - begin_ns >= 19 * kMs);
+}
+
+TEST_CASE("Loop: in realtime it is woken on its grid and measures how late") {
+  StopFlag::clear();
+  Bus bus(test::settings());
+  Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
+  std::int64_t now_ns = 0, previous_ns = 0;
+  for (int i = 0; i < 50; ++i) {
+    REQUIRE(loop.wait(now_ns));
+    CHECK(now_ns > previous_ns);
+    previous_ns = now_ns;
+  }
+  CHECK(loop.wakeup_latency().snapshot().count == 50);
+  CHECK(loop.failure().empty());
+}
+
+TEST_CASE("Loop: waiting in realtime does not allocate") {
+  if (!support::AllocationCounter::counts()) return;
+  StopFlag::clear();
+  Bus bus(test::settings());
+  Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
+  std::int64_t now_ns = 0, heap_calls = -1;
+  bool all = true;
+  {
+    const support::AllocationCounter heap;
+    for (int i = 0; i < 20; ++i) all = loop.wait(now_ns) && all;
+    heap_calls = heap.count();
+  }
+  CHECK(all);
+  CHECK(heap_calls == 0);
+}
+
+TEST_CASE("Loop: REQUEST_SHUTDOWN to this process stops it and is answered; one to another process is not ours") {
+  test::Child child([] {
+    Bus bus(test::settings());
+    Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs});
+    std::int64_t now_ns = 0;
+    while (loop.wait(now_ns)) {
+    }
+    return loop.failure().empty() ? 0 : 1;
+  });
+  Bus client(test::settings());
+  Writer<ServiceRequest> requests(client);
+  Reader<ServiceReply> replies(client);
+  ServiceRequest request{};
+  request.verb = c3rt_v1_REQUEST_SHUTDOWN;
+  request.request_id = 1;
+  request.process = c3rt_v1_PROCESS_PLANNER;
+  requests.write(request, 1);
+  request.request_id = 2;
+  request.process = c3rt_v1_PROCESS_VISION;
+  requests.write(request, 2);
+  ServiceReply reply{};
+  REQUIRE(eventually([&] { return replies.take(reply); }));
+  CHECK(reply.request_id == 2);
+  CHECK(reply.ok);
+  CHECK(reply.process == c3rt_v1_PROCESS_VISION);
+  CHECK(std::string(reply.text) == "vision is shutting down");
+  CHECK(child.wait() == 0);
+}
+
+TEST_CASE("StatusReporter: tells state, counters, quantiles and rate, and says when it stops") {
+  Bus bus(test::settings(ClockMode::kRealtime, 9)), client(test::settings());
+  Reader<ServiceStatus> reader(client);
+  ServiceStatus status{};
+  {
+    StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANNER);
+    REQUIRE(eventually([&] { return reader.take(status); }));
+    CHECK(status.state == c3rt_v1_SERVICE_STARTING);
+    CHECK(status.header.session_id == 9);
+    CHECK(status.pid == getpid());
+    std::atomic<std::uint64_t>& overruns = reporter.counter("overruns");
+    CHECK(&reporter.counter("overruns") == &overruns);
+    overruns += 3;
+    reporter.set_state(c3rt_v1_SERVICE_RUNNING, "rolling");
+    REQUIRE(eventually([&] {
+      reporter.compute().add(2e-3);
+      usleep(1000);
+      (void)reader.take_newest(status);
+      return status.rate_hz > 0.0;
+    }));
+    CHECK(status.process == c3rt_v1_PROCESS_PLANNER);
+    CHECK(status.state == c3rt_v1_SERVICE_RUNNING);
+    CHECK(std::string(status.text) == "rolling");
+    CHECK(std::string(status.counter_names[0]) == "overruns");
+    CHECK(status.counters[0] == 3);
+    CHECK(status.compute.count > 0);
+    CHECK(status.compute.p50_s == Approx(2e-3).epsilon(0.01));
+  }
+  REQUIRE(eventually([&] {
+    (void)reader.take_newest(status);
+    return status.state == c3rt_v1_SERVICE_STOPPING;
+  }));
+}
+
+TEST_CASE("StatusReporter: a peer that can never be served is told in the text") {
+  Bus bus(test::settings(ClockMode::kRealtime, 9));
+  Bus lockstep(test::settings(ClockMode::kLockstep)), client(test::settings());
+  Writer<RobotState> writer(bus);
+  Reader<RobotState> wrong_clock(lockstep);
+  Reader<ServiceStatus> reader(client);
+  StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANT);
+  reporter.set_state(c3rt_v1_SERVICE_RUNNING, "stepping");
+  ServiceStatus status{};
+  REQUIRE(eventually([&] {
+    (void)reader.take_newest(status);
+    return std::string(status.text).find("requests RELIABLE, this writer offers BEST_EFFORT") != std::string::npos;
+  }));
+  CHECK_THAT(std::string(status.text), Catch::StartsWith("stepping; robot/state: reader of "));
+}
+
+TEST_CASE("StatusReporter: a seventeenth counter and a name too long are refused") {
+  Bus bus(test::settings());
+  StatusReporter reporter(bus, c3rt_v1_PROCESS_VISION);
+  CHECK_THROWS_AS(reporter.counter("a name of twenty-four cha"), WireError);
+  for (int i = 0; i < c3rt_v1_COUNTERS; ++i) CHECK_NOTHROW(reporter.counter("counter " + std::to_string(i)));
+  CHECK_THROWS_AS(reporter.counter("one more"), WireError);
+}
+
+TEST_CASE("draw_session: a later one is larger") {
+  const std::uint64_t first = draw_session();
+  usleep(10);
+  CHECK(draw_session() > first);
+}
+
+}  // namespace
+}  // namespace c3rt::wire
