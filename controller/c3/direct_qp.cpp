@@ -196,6 +196,18 @@ class DirectQp final : public QpStep {
       p_next_.noalias() = lcs_[k].A.transpose() * p_;
       p_ = p_next_ + gradient_.col(k).head(n_x);
     }
+    // a state is known to its rounding at best, and the weights magnify that: Q 1e9 beside R 1e-2
+    double rounding = 0.0;
+    for (int k = 0; k <= sizes_.N; ++k) {
+      const MatrixXd& Q = k < sizes_.N ? Q_ : Q_N_;
+      const double x = std::max(x_desired.col(k).cwiseAbs().maxCoeff(),
+                                k < sizes_.N ? sizes_.x(z.col(k)).cwiseAbs().maxCoeff()
+                                             : x_N.cwiseAbs().maxCoeff());
+      const Stage& into = stages_[std::max(k - 1, 0)];
+      rounding = std::max(rounding,
+                          into.B_hat.cwiseAbs().maxCoeff() * Q.cwiseAbs().maxCoeff() * x);
+    }
+    scale = std::max(scale, rounding);
     if (scale == 0.0) return 0.0;
     // a NaN anywhere must not look converged
     return std::isfinite(largest) && gradient_.allFinite()

@@ -19,6 +19,7 @@ constexpr double kZeroWeight = 1e-8;     // of the largest, for directions witho
 constexpr double kSingular = 1e-12;      // of the largest: a weight that counts as none
 constexpr double kFeasible = 1e-11;      // of the largest normalised |s| at v
 constexpr double kComplementary = 1e-10; // the same, for the smaller side of a pair
+constexpr double kRounding = 1e-14;      // the same, for that side after the last polish
 constexpr double kSameObjective = 1e-12; // a bound this close to the best cannot improve it
 
 /// Branch and bound, depth first. All of the geometry is in the 2 n_lambda functionals of δ that the
@@ -38,6 +39,7 @@ class MiqpProjection final : public Projection {
         scale_(2 * n_),
         t_(2 * n_),
         best_(2 * n_),
+        multipliers_(2 * n_),
         difference_(sizes.n_z()),
         weighted_(sizes.n_z()) {
     // one state per level: a level pins one more pair
@@ -81,9 +83,9 @@ class MiqpProjection final : public Projection {
     for (int i = 0; i < 2 * n_; ++i) {
       scale_[i] = K_(i, i) > 0.0 ? 1.0 / std::sqrt(K_(i, i)) : 1.0;
     }
-    K_ = scale_.asDiagonal() * K_ * scale_.asDiagonal();
-    for (int i = 0; i < 2 * n_; ++i) {
-      if (K_(i, i) > 0.0) K_(i, i) = 1.0;
+    for (int j = 0; j < 2 * n_; ++j) {
+      K_.col(j).array() *= scale_.array() * scale_[j];
+      if (K_(j, j) > 0.0) K_(j, j) = 1.0;
     }
   }
 
@@ -156,11 +158,17 @@ class MiqpProjection final : public Projection {
     }
   }
 
-  /// δ of the best node, its active constraints solved once more to take out what the path there
-  /// has accumulated, and exact zeros on the sides that are zero.
+  /// δ of the best node: the sides that the search accepted as zero are pinned to it, the active
+  /// constraints solved once more to take out what the path there has accumulated.
   double finish(Eigen::Ref<VectorXd> delta) noexcept {
+    DualQp& node = nodes_[0];
+    node.copy_from(best_);
+    for (int i = 0; i < n_; ++i) node.pinned[node.s[i] <= node.s[n_ + i] ? i : n_ + i] = 1;
+    const DualQp::Status status = node.solve(K_, t_, kRounding * magnitude_, kInfinity);
+    if (status == DualQp::Status::kSolved) best_.copy_from(node);
     best_.refine(K_, t_);
-    difference_.noalias() = W_ * scale_.cwiseProduct(best_.mu);
+    multipliers_ = scale_.cwiseProduct(best_.mu);
+    difference_.noalias() = W_ * multipliers_;
     delta += difference_;
     for (int i = 0; i < n_; ++i) {
       double& force = delta[sizes_.n_x + i];
@@ -186,6 +194,7 @@ class MiqpProjection final : public Projection {
   std::vector<DualQp> nodes_;
   DualQp best_;
   double best_objective_ = kInfinity;  // halved
+  VectorXd multipliers_;               // of the best node, in the units of C
   long n_nodes_ = 0;
   ProjectionStatus stopped_by_ = ProjectionStatus::kSolved;
   bool stuck_ = false;

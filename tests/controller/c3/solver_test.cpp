@@ -1,0 +1,303 @@
+#include "controller/c3/solver.hpp"
+
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/rolling_ball.hpp"
+
+using namespace c3rt;
+using namespace c3rt::c3;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Settings settings(QpBackend qp = QpBackend::kDirect) {
+  return {3, 1.0, 2.2, qp, {2000, 1e-6, 0.1, 50, false}, ProjectionKind::kMiqp, 10000, true};
+}
+
+struct Problem {
+  VectorXd x0;
+  lcs::Lcs lcs;
+  MatrixXd x_desired;
+};
+
+Problem problem(double gap = 0.002, double slip = 0.03) {
+  const VectorXd x = rolling_ball::state(gap, slip);
+  return {x, rolling_ball::lcs(x), rolling_ball::x_desired(x)};
+}
+
+Solver solver(const Settings& with) {
+  Solver made(rolling_ball::sizes(), with);
+  made.set_costs(rolling_ball::costs(rolling_ball::Phase::kRoll));
+  return made;
+}
+
+/// Strikes at the given question and at every one after it.
+struct Countdown {
+  int left;
+  static bool reached(void* context) noexcept {
+    return --static_cast<Countdown*>(context)->left < 0;
+  }
+};
+
+void check_failed(const Solution& solution, Failure failure) {
+  CHECK(solution.status == SolveStatus::kFailed);
+  CHECK(solution.failure == failure);
+  CHECK(solution.z.isZero(0.0));
+  CHECK(solution.x_N.isZero(0.0));
+}
+
+}  // namespace
+
+TEST_CASE("solver: it runs s QPs and s - 1 projections, and its answer follows the dynamics") {
+  const Problem p = problem();
+  Solver c3 = solver(settings());
+  const Solution& solution = c3.solve(p.lcs, p.x0, p.x_desired);
+  REQUIRE(solution.status == SolveStatus::kOk);
+  REQUIRE(solution.failure == Failure::kNone);
+  REQUIRE(solution.iterations == 3);
+  REQUIRE(solution.projections == 2);
+  REQUIRE(solution.branch_nodes >= 10);
+  REQUIRE(solution.primal_residual[0] > 0.0);
+  REQUIRE(solution.primal_residual[2] == 0.0);
+  const Sizes sizes = rolling_ball::sizes();
+  REQUIRE(solution.u_0() == sizes.u(solution.z.col(0)));
+  REQUIRE(sizes.x(solution.z.col(0)) == p.x0);
+  for (int k = 0; k < sizes.N; ++k) {
+    const VectorXd z = solution.z.col(k);
+    const VectorXd next = k + 1 < sizes.N ? VectorXd(sizes.x(solution.z.col(k + 1))) : solution.x_N;
+    CHECK((p.lcs.A * sizes.x(z) + p.lcs.B * sizes.u(z) + p.lcs.D * sizes.lambda(z) + p.lcs.d - next)
+              .norm() < 1e-10);
+    // every copy is a point of the LCP's set
+    const VectorXd delta = solution.delta.col(k);
+    const VectorXd y =
+        p.lcs.E * sizes.x(delta) + p.lcs.F * sizes.lambda(delta) + p.lcs.H * sizes.u(delta) + p.lcs.c;
+    CHECK(y.cwiseMin(sizes.lambda(delta)).cwiseAbs().maxCoeff() < 1e-7);
+  }
+}
+
+TEST_CASE("solver: a projection after the last QP changes delta and w, never z") {
+  const Problem p = problem();
+  Settings with_last = settings();
+  with_last.project_last = true;
+  Solver a = solver(settings()), b = solver(with_last);
+  const Solution& plain = a.solve(p.lcs, p.x0, p.x_desired);
+  const Solution& projected = b.solve(p.lcs, p.x0, p.x_desired);
+  REQUIRE(projected.projections == 3);
+  REQUIRE(projected.primal_residual[2] > 0.0);
+  REQUIRE(projected.z == plain.z);
+  REQUIRE(projected.delta != plain.delta);
+}
+
+TEST_CASE("solver: one system for all stages is the same as that system N times") {
+  const Problem p = problem();
+  Solver c3 = solver(settings());
+  const MatrixXd z = c3.solve(p.lcs, p.x0, p.x_desired).z;
+  const std::vector<lcs::Lcs> varying(rolling_ball::kN, p.lcs);
+  const Solution& solution = c3.solve(varying, p.x0, p.x_desired);
+  REQUIRE(solution.status == SolveStatus::kOk);
+  REQUIRE(solution.z == z);
+}
+
+TEST_CASE("solver: the same problem gives the same bits, whatever came between, on any solver") {
+  const Problem p = problem(), other = problem(0.012, 0.2);
+  for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kOsqp}) {
+    Solver a = solver(settings(backend)), b = solver(settings(backend));
+    const Solution first = a.solve(p.lcs, p.x0, p.x_desired);
+    const MatrixXd z_other = a.solve(other.lcs, other.x0, other.x_desired).z;
+    const Solution again = a.solve(p.lcs, p.x0, p.x_desired);
+    const Solution elsewhere = b.solve(p.lcs, p.x0, p.x_desired);
+    REQUIRE(first.status == SolveStatus::kOk);
+    REQUIRE(first.z != z_other);
+    REQUIRE(first.z == again.z);
+    REQUIRE(first.delta == again.delta);
+    REQUIRE(first.z == elsewhere.z);
+    REQUIRE(first.w == elsewhere.w);
+  }
+}
+
+TEST_CASE("solver: weights can be exchanged and exchanged back") {
+  const Problem p = problem();
+  Solver c3 = solver(settings());
+  const MatrixXd roll = c3.solve(p.lcs, p.x0, p.x_desired).z;
+  c3.set_costs(rolling_ball::costs(rolling_ball::Phase::kReturn));
+  REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).status == SolveStatus::kOk);
+  REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).z != roll);
+  c3.set_costs(rolling_ball::costs(rolling_ball::Phase::kRoll));
+  REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).z == roll);
+}
+
+TEST_CASE("solver: wherever the deadline strikes, the answer is that of the last complete QP") {
+  const Problem p = problem();
+  std::vector<MatrixXd> z_after(1);  // after 1, 2, 3 QPs
+  for (int s = 1; s <= 3; ++s) {
+    Settings fewer = settings();
+    fewer.admm_iterations = s;
+    Solver c3 = solver(fewer);
+    z_after.push_back(c3.solve(p.lcs, p.x0, p.x_desired).z);
+  }
+  Solver c3 = solver(settings());
+  int truncated = 0, seen[4] = {};
+  for (int questions = 0;; ++questions) {
+    Countdown countdown{questions};
+    const Solution& solution =
+        c3.solve(p.lcs, p.x0, p.x_desired, {&Countdown::reached, &countdown});
+    REQUIRE(solution.iterations >= 1);
+    REQUIRE(solution.z == z_after[solution.iterations]);
+    ++seen[solution.iterations];
+    if (solution.status == SolveStatus::kOk) break;
+    REQUIRE(solution.status == SolveStatus::kTruncated);
+    REQUIRE(solution.iterations < 3);
+    ++truncated;
+  }
+  // asked before every projection and at every node of branch and bound, in both rounds
+  REQUIRE(truncated > 30);
+  REQUIRE(seen[1] > 10);
+  REQUIRE(seen[2] > 10);
+}
+
+TEST_CASE("solver: a projection that hits its bound of nodes flags the whole answer") {
+  // random contacts that all work against each other, to make the search long
+  support::Random random(31);
+  const Sizes sizes{3, 8, 2, 2};
+  const auto definite = [&](int n) {
+    const MatrixXd half = random.matrix(n, n);
+    return MatrixXd(half * half.transpose() + 0.05 * MatrixXd::Identity(n, n));
+  };
+  int flagged = 0, without_point = 0, enough = 0;
+  for (int trial = 0; trial < 10; ++trial) {
+    const lcs::Lcs lcs{random.matrix(3, 3), random.matrix(3, 2), random.matrix(3, 8),
+                       random.vector(3),    random.matrix(8, 3), definite(8),
+                       random.matrix(8, 2), random.vector(8)};
+    const Costs costs{definite(3), definite(3), definite(2), definite(13), definite(13)};
+    const VectorXd x0 = 3.0 * random.vector(3);
+    const MatrixXd x_desired = random.matrix(3, 3);
+    for (const int max_nodes : {3, 8, 12, 10000}) {
+      Settings few = settings();
+      few.max_nodes = max_nodes;
+      Solver c3(sizes, few);
+      c3.set_costs(costs);
+      const Solution& solution = c3.solve(lcs, x0, x_desired);
+      if (solution.status == SolveStatus::kFailed) {
+        check_failed(solution, Failure::kProjection);
+        CHECK(max_nodes < 10000);
+        ++without_point;
+      } else {
+        CHECK((solution.status == SolveStatus::kTruncated) == (solution.inexact_projections > 0));
+        CHECK(solution.iterations == 3);
+        ++(solution.inexact_projections > 0 ? flagged : enough);
+      }
+    }
+  }
+  CAPTURE(flagged, without_point, enough);
+  REQUIRE(flagged > 0);
+  REQUIRE(without_point > 0);
+  REQUIRE(enough >= 10);
+}
+
+TEST_CASE("solver: NaN, wrong sizes and missing costs fail by name and give zeros") {
+  const Problem p = problem();
+  Solver without_costs(rolling_ball::sizes(), settings());
+  check_failed(without_costs.solve(p.lcs, p.x0, p.x_desired), Failure::kNoCosts);
+
+  Solver c3 = solver(settings());
+  VectorXd x0 = p.x0;
+  x0[4] = kNaN;
+  check_failed(c3.solve(p.lcs, x0, p.x_desired), Failure::kNotFinite);
+  MatrixXd x_desired = p.x_desired;
+  x_desired(0, 5) = std::numeric_limits<double>::infinity();
+  check_failed(c3.solve(p.lcs, p.x0, x_desired), Failure::kNotFinite);
+  lcs::Lcs lcs = p.lcs;
+  lcs.F(1, 1) = kNaN;
+  check_failed(c3.solve(lcs, p.x0, p.x_desired), Failure::kNotFinite);
+  lcs = p.lcs;
+  lcs.E = MatrixXd::Zero(12, 18);
+  check_failed(c3.solve(lcs, p.x0, p.x_desired), Failure::kWrongSize);
+  check_failed(c3.solve(p.lcs, p.x0.head(18), p.x_desired), Failure::kWrongSize);
+  check_failed(c3.solve(p.lcs, p.x0, p.x_desired.leftCols(5)), Failure::kWrongSize);
+  check_failed(c3.solve(std::vector<lcs::Lcs>(4, p.lcs), p.x0, p.x_desired), Failure::kWrongSize);
+
+  // and recovers
+  REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).status == SolveStatus::kOk);
+}
+
+TEST_CASE("solver: numbers that overflow on the way are a failure, never NaN in the answer") {
+  const Problem p = problem();
+  for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kOsqp}) {
+    Solver c3 = solver(settings(backend));
+    const Solution& solution = c3.solve(p.lcs, VectorXd(p.x0 * 1e306), p.x_desired);
+    CHECK(solution.z.allFinite());
+    CHECK(solution.x_N.allFinite());
+    CHECK(solution.status == SolveStatus::kFailed);
+  }
+}
+
+TEST_CASE("solver: an LCP's set that is empty is a failure of the projection") {
+  Problem p = problem();
+  p.lcs.E.row(0).setZero();
+  p.lcs.F.row(0).setZero();
+  p.lcs.H.row(0).setZero();
+  p.lcs.c[0] = -1.0;
+  Solver c3 = solver(settings());
+  check_failed(c3.solve(p.lcs, p.x0, p.x_desired), Failure::kProjection);
+}
+
+TEST_CASE("solver: costs that cannot be used are refused and leave no half-set solver behind") {
+  const Problem p = problem();
+  Solver c3 = solver(settings());
+  Costs bad = rolling_ball::costs(rolling_ball::Phase::kRoll);
+  bad.G(0, 0) = -1.0;
+  const MatrixXd z = c3.solve(p.lcs, p.x0, p.x_desired).z;
+  REQUIRE_THROWS_AS(c3.set_costs(bad), std::invalid_argument);
+  REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).z == z);  // refused at the door: the old ones stay
+  Bounds bounds;
+  bounds.u_max = VectorXd::Ones(3);
+  REQUIRE_THROWS_AS(c3.set_costs(rolling_ball::costs(rolling_ball::Phase::kRoll), bounds),
+                    std::invalid_argument);
+}
+
+TEST_CASE("solver: both QP steps and both projections solve the ball's problem") {
+  const Problem p = problem();
+  Settings precise = settings(QpBackend::kOsqp);
+  precise.osqp = {50000, 1e-9, 0.1, 50, true};
+  for (const ProjectionKind kind : {ProjectionKind::kMiqp, ProjectionKind::kLcp}) {
+    Settings by_direct = settings(), by_osqp = precise;
+    by_direct.projection = by_osqp.projection = kind;
+    Solver a = solver(by_direct), b = solver(by_osqp);
+    const VectorXd u_direct = a.solve(p.lcs, p.x0, p.x_desired).u_0();
+    const VectorXd u_osqp = b.solve(p.lcs, p.x0, p.x_desired).u_0();
+    CHECK((u_direct - u_osqp).norm() < 1e-5 * (1e-3 + u_direct.norm()));
+  }
+}
+
+TEST_CASE("solver: a solve does not allocate") {
+  const Problem p = problem(), other = problem(-0.0005, 0.1);
+  const std::vector<lcs::Lcs> varying(rolling_ball::kN, p.lcs);
+  for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kOsqp}) {
+    for (const ProjectionKind kind : {ProjectionKind::kMiqp, ProjectionKind::kLcp}) {
+      Settings with = settings(backend);
+      with.projection = kind;
+      Solver c3 = solver(with);
+      std::int64_t heap_calls = -1;
+      int ok = 0;
+      {
+        const support::AllocationCounter heap;
+        ok += c3.solve(p.lcs, p.x0, p.x_desired).status == SolveStatus::kOk;
+        ok += c3.solve(other.lcs, other.x0, other.x_desired).status == SolveStatus::kOk;
+        ok += c3.solve(varying, p.x0, p.x_desired).status == SolveStatus::kOk;
+        heap_calls = heap.count();
+      }
+      CAPTURE(static_cast<int>(backend), static_cast<int>(kind));
+      CHECK(ok == 3);
+      CHECK(heap_calls == 0);
+    }
+  }
+}
