@@ -1,5 +1,6 @@
 #pragma once
-// The emulated sensor: ground truth at the exposure plus noise, as in the paper's simulation (VII-A).
+// The emulated sensor: ground truth at the exposure plus noise, as in the paper's simulation
+// (VII-A).
 #include <cstdint>
 #include <random>
 
@@ -9,8 +10,9 @@
 
 namespace c3rt::vision {
 
-/// Standard normal numbers by Box and Muller's transform of mt19937_64. The distributions of <random> differ between
-/// standard libraries; this is the same sequence wherever log, cos and sin are.
+/// Standard normal numbers by Box and Muller's transform of mt19937_64. The distributions of
+/// <random> differ between standard libraries; this is the same sequence wherever log, cos and sin
+/// are.
 class NormalSequence {
  public:
   explicit NormalSequence(std::uint64_t seed) : engine_(seed) {}

@@ -10,7 +10,8 @@ EstimatorParameters load_filter(config::Section section) {
   p.position_weight = section.number("position_weight", {0.01, 1});
   p.velocity_weight = section.number("velocity_weight", {0.01, 1});
   p.velocity_filter = section.choice<VelocityFilter>(
-      "velocity_filter", {{"two_tap", VelocityFilter::kTwoTap}, {"recursive", VelocityFilter::kRecursive}});
+      "velocity_filter",
+      {{"two_tap", VelocityFilter::kTwoTap}, {"recursive", VelocityFilter::kRecursive}, {"predicting", VelocityFilter::kPredicting}});
   p.lost_after = section.number("lost_after_s", {0.01, 10});
   p.gate = section.number("gate_m", {0.001, 1});
   p.gate_misses = section.integer("gate_misses", {0, 1000});
@@ -42,7 +43,8 @@ CameraParameters load_camera(config::Section section) {
   p.p_WC = section.numbers("position_m", 3, {-5, 5});
   const Eigen::Vector3d target = section.numbers("look_at_m", 3, {-5, 5});
   if ((target - p.p_WC).head<2>().norm() < 0.01) {
-    section.fail("look_at_m", "a point that is not straight above or below position_m", "the same x and y");
+    section.fail("look_at_m", "a point that is not straight above or below position_m",
+                 "the same x and y");
   }
   p.R_WC = look_at(p.p_WC, target);
   p.fovy = section.number("fovy_rad", {0.05, 2.5});
@@ -55,8 +57,8 @@ CameraParameters load_camera(config::Section section) {
 
 Parameters load_parameters(config::Section section) {
   Parameters p{};
-  p.source = section.choice<SourceKind>("source",
-                                        {{"cameras", SourceKind::kCameras}, {"emulated", SourceKind::kEmulated}});
+  p.source = section.choice<SourceKind>(
+      "source", {{"cameras", SourceKind::kCameras}, {"emulated", SourceKind::kEmulated}});
   p.rate = section.number("rate_hz", {1, 1000});
   config::Section emulated = section.section("emulated");
   p.emulated.noise = emulated.number("noise_m", {0, 0.1});
@@ -65,13 +67,15 @@ Parameters load_parameters(config::Section section) {
   p.fusion.outlier = section.section("fusion").number("outlier_m", {1e-4, 1});
   p.detector = load_detector(section.section("detector"));
   p.pixel_noise = section.number("pixel_noise", {0, 50});
-  for (config::Section& camera : section.list("cameras", 0, kMaxCameras)) p.cameras.push_back(load_camera(camera));
+  for (config::Section& camera : section.list("cameras", 0, kMaxCameras))
+    p.cameras.push_back(load_camera(camera));
   if (p.source == SourceKind::kCameras && p.cameras.empty()) {
     section.fail("cameras", "at least one camera, because source is cameras", "none");
   }
   for (const CameraParameters& camera : p.cameras) {
     if (p.detector.roi > camera.width || p.detector.roi > camera.height) {
-      section.fail("cameras", "images not smaller than detector.roi_px", "a smaller one: " + camera.name);
+      section.fail("cameras", "images not smaller than detector.roi_px",
+                   "a smaller one: " + camera.name);
     }
   }
   section.finish();

@@ -24,20 +24,20 @@ struct EmulatedParameters {
 
 struct CameraParameters {
   std::string name;
-  Eigen::Vector3d p_WC;     // [m]
-  Eigen::Matrix3d R_WC;     // x right, y down, z forward in the image
-  double fovy;              // vertical field of view [rad]
-  int width, height;        // of the full image [px]
+  Eigen::Vector3d p_WC;  // [m]
+  Eigen::Matrix3d R_WC;  // x right, y down, z forward in the image
+  double fovy;           // vertical field of view [rad]
+  int width, height;     // of the full image [px]
 };
 
 struct Parameters {
   SourceKind source;
-  double rate;                           // exposures per second [Hz]
+  double rate;  // exposures per second [Hz]
   EmulatedParameters emulated;
   EstimatorParameters estimator;
   FusionParameters fusion;
   DetectorParameters detector;
-  double pixel_noise;                    // standard deviation of the virtual cameras' noise [grey levels]
+  double pixel_noise;  // standard deviation of the virtual cameras' noise [grey levels]
   std::vector<CameraParameters> cameras;
 };
 

@@ -12,7 +12,8 @@ DetectorParameters for_search(DetectorParameters parameters) {
 
 }  // namespace
 
-Tracker::Tracker(const Parameters& parameters, double ball_radius, double ball_height, std::vector<Camera*> cameras)
+Tracker::Tracker(const Parameters& parameters, double ball_radius, double ball_height,
+                 std::vector<Camera*> cameras)
     : parameters_(parameters),
       ball_radius_(ball_radius),
       ball_height_(ball_height),
@@ -39,7 +40,8 @@ Sighting Tracker::look_around(std::int64_t exposure_ns, const Eigen::Vector3d& p
     estimates[i] = {view.detection.found, view.detection.p_WB};
   }
   sighting.fusion = fuse(estimates, p_expected, parameters_.fusion);
-  for (std::size_t i = 0; i < cameras_.size(); ++i) sighting.views[i].used = sighting.fusion.used[i];
+  for (std::size_t i = 0; i < cameras_.size(); ++i)
+    sighting.views[i].used = sighting.fusion.used[i];
   return sighting;
 }
 

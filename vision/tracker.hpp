@@ -23,13 +23,15 @@ struct Sighting {
   bool searched = false;    // a full image was read
 };
 
-/// Finds the ball where it is expected, in a region of interest of each camera; where no camera sees it there, searches
-/// the full image of one camera, another one at each exposure, and then looks again around what that one found.
+/// Finds the ball where it is expected, in a region of interest of each camera; where no camera
+/// sees it there, searches the full image of one camera, another one at each exposure, and then
+/// looks again around what that one found.
 class Tracker {
  public:
   /// @param cameras      outlive the tracker; asked in this order
   /// @param ball_height  of the centre of a ball that lies on the table, z in W [m]
-  Tracker(const Parameters& parameters, double ball_radius, double ball_height, std::vector<Camera*> cameras);
+  Tracker(const Parameters& parameters, double ball_radius, double ball_height,
+          std::vector<Camera*> cameras);
 
   /// @param p_expected  where the ball should be at this exposure
   /// @param known       false: p_expected is only the best guess, so the search starts at once

@@ -28,14 +28,17 @@ double bounding_radius(const mjvGeom& geom) {
   return static_cast<double>(geom.size[0]) + geom.size[1] + geom.size[2];
 }
 
-/// The part of space that a region of the sensor sees: inside the four planes through the camera's centre.
+/// The part of space that a region of the sensor sees: inside the four planes through the camera's
+/// centre.
 class Pyramid {
  public:
   Pyramid(const CameraModel& camera, const Roi& roi) : X_CW_(camera.X_WC.inverse()) {
-    const double left = (roi.x - 0.5 - camera.cx) / camera.fx, top = (roi.y - 0.5 - camera.cy) / camera.fy;
+    const double left = (roi.x - 0.5 - camera.cx) / camera.fx,
+                 top = (roi.y - 0.5 - camera.cy) / camera.fy;
     const double right = left + roi.width / camera.fx, bottom = top + roi.height / camera.fy;
-    outward_ = {Eigen::Vector3d(-1, 0, left).normalized(), Eigen::Vector3d(1, 0, -right).normalized(),
-                Eigen::Vector3d(0, -1, top).normalized(), Eigen::Vector3d(0, 1, -bottom).normalized()};
+    outward_ = {
+        Eigen::Vector3d(-1, 0, left).normalized(), Eigen::Vector3d(1, 0, -right).normalized(),
+        Eigen::Vector3d(0, -1, top).normalized(), Eigen::Vector3d(0, 1, -bottom).normalized()};
   }
   bool sees(const mjvGeom& geom) const {
     const Eigen::Vector3d p_C = X_CW_ * Eigen::Vector3d(geom.pos[0], geom.pos[1], geom.pos[2]);
@@ -107,7 +110,8 @@ struct VirtualCameras::Implementation {
     setenv("LP_NUM_THREADS", "0", 0);
     gl.reset(OSMesaCreateContextExt(OSMESA_RGBA, 24, 8, 0, nullptr));
     window.resize(4 * kWindow * kWindow);
-    if (!gl || OSMesaMakeCurrent(gl.get(), window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) == GL_FALSE) {
+    if (!gl || OSMesaMakeCurrent(gl.get(), window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) ==
+                   GL_FALSE) {
       throw std::runtime_error("virtual cameras: no OSMesa context");
     }
     model = plant::build_model(scene_of(world));
@@ -117,14 +121,17 @@ struct VirtualCameras::Implementation {
       Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
       X_WC.linear() = camera.R_WC;
       X_WC.translation() = camera.p_WC;
-      views.push_back(std::make_unique<View>(*this, centred_camera(camera.width, camera.height, camera.fovy, X_WC)));
+      views.push_back(std::make_unique<View>(
+          *this, centred_camera(camera.width, camera.height, camera.fovy, X_WC)));
       cameras.push_back(views.back().get());
       search_width = std::max(search_width, camera.width / parameters.detector.search_binning);
       search_height = std::max(search_height, camera.height / parameters.detector.search_binning);
     }
     small_side = parameters.detector.roi;
     small = std::make_unique<Buffer>(*model, small_side, small_side);
-    large = std::make_unique<Buffer>(*model, std::max(search_width, small_side), std::max(search_height, small_side));
+    large_width = std::max(search_width, small_side);
+    large_height = std::max(search_height, small_side);
+    large = std::make_unique<Buffer>(*model, large_width, large_height);
 
     mjv_defaultOption(&option);
     std::fill(std::begin(option.geomgroup), std::end(option.geomgroup), mjtByte{0});
@@ -144,7 +151,8 @@ struct VirtualCameras::Implementation {
 
   void expose(const ScenePose& pose) {
     if (static_cast<int>(7 * pose.X_WB.size()) != model->nq - plant::kJoints) {
-      throw std::invalid_argument("virtual cameras: the scene has another number of balls than the scenario");
+      throw std::invalid_argument(
+          "virtual cameras: the scene has another number of balls than the scenario");
     }
     exposure_ns = pose.exposure_ns;
     std::copy(pose.q.begin(), pose.q.end(), data->qpos);
@@ -167,7 +175,9 @@ struct VirtualCameras::Implementation {
   bool grab(const CameraModel& camera, std::int64_t wanted_ns, const Roi& roi, cv::Mat& image) {
     if (wanted_ns != exposure_ns) return false;
     const int width = roi.width / roi.binning, height = roi.height / roi.binning;
-    // the frustum of the region alone: off the optical axis, its middle is where the region's middle is
+    if (width > large_width || height > large_height) return false;
+    // the frustum of the region alone: off the optical axis, its middle is where the region's
+    // middle is
     const double scale_x = kNear / camera.fx, scale_y = kNear / camera.fy;
     mjvGLCamera& view = scene.camera[0];
     const Eigen::Vector3d p = camera.X_WC.translation();
@@ -212,7 +222,7 @@ struct VirtualCameras::Implementation {
   plant::Model model;
   plant::Data data;
   std::unique_ptr<Buffer> small, large;
-  int small_side = 0;
+  int small_side = 0, large_width = 0, large_height = 0;  // [px]
   mjvOption option;
   mjvScene scene;
   std::vector<mjvGeom> geoms;  // of the exposure
@@ -225,7 +235,8 @@ struct VirtualCameras::Implementation {
   cv::Mat flipped;
 };
 
-VirtualCameras::VirtualCameras(const plant::World& world, const Parameters& parameters, std::uint64_t seed)
+VirtualCameras::VirtualCameras(const plant::World& world, const Parameters& parameters,
+                               std::uint64_t seed)
     : implementation_(std::make_unique<Implementation>(world, parameters, seed)) {}
 VirtualCameras::~VirtualCameras() = default;
 void VirtualCameras::expose(const ScenePose& pose) { implementation_->expose(pose); }

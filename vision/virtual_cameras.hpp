@@ -17,18 +17,18 @@ namespace c3rt::vision {
 /// What was in front of the cameras at an exposure.
 struct ScenePose {
   std::int64_t exposure_ns = 0;
-  std::array<double, plant::kJoints> q{};          // [rad]
-  std::vector<Eigen::Isometry3d> X_WB;             // of every ball of the world
+  std::array<double, plant::kJoints> q{};  // [rad]
+  std::vector<Eigen::Isometry3d> X_WB;     // of every ball of the world
 };
 
 /// All cameras of the scenario on one rasteriser, which belongs to the thread that made it.
 ///
-/// A frame costs about in proportion to the pixels of the buffer behind it, so there are two buffers: a small one for
-/// regions of interest and one for the binned search image.
+/// A frame costs about in proportion to the pixels of the buffer behind it, so there are two
+/// buffers: a small one for regions of interest and one for the binned search image.
 class VirtualCameras {
  public:
-  /// Sets LP_NUM_THREADS=0 in the environment unless it is set: the rasteriser's own threads would only take
-  /// processors from the other processes.
+  /// Sets LP_NUM_THREADS=0 in the environment unless it is set: the rasteriser's own threads would
+  /// only take processors from the other processes.
   /// @throws std::runtime_error if there is no OSMesa context
   VirtualCameras(const plant::World& world, const Parameters& parameters, std::uint64_t seed);
   ~VirtualCameras();
@@ -37,7 +37,8 @@ class VirtualCameras {
 
   /// All cameras expose at once; they hold this frame until the next exposure.
   void expose(const ScenePose& pose);
-  /// The cameras in the scenario's order; they live as long as this object.
+  /// They deliver regions no larger, in pixels after binning, than the search image or
+  /// detector.roi. The cameras in the scenario's order; they live as long as this object.
   const std::vector<Camera*>& cameras() const;
 
  private:

@@ -1,4 +1,5 @@
-// c3rt-vision: what the cameras see of the plant's scene in, the balls' states out, once per exposure.
+// c3rt-vision: what the cameras see of the plant's scene in, the balls' states out, once per
+// exposure.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +26,8 @@
 namespace c3rt::vision {
 namespace {
 
-constexpr std::int64_t kPollNs = 50'000'000;  // realtime: a blocked wait looks at the stop flag this often
+constexpr std::int64_t kPollNs =
+    50'000'000;  // realtime: a blocked wait looks at the stop flag this often
 
 std::int64_t nanoseconds(double s) { return std::llround(1e9 * s); }
 
@@ -59,7 +61,8 @@ class Source {
 
 class EmulatedSource : public Source {
  public:
-  EmulatedSource(const Parameters& parameters, std::uint64_t seed) : sensor_(parameters.emulated, seed) {}
+  EmulatedSource(const Parameters& parameters, std::uint64_t seed)
+      : sensor_(parameters.emulated, seed) {}
 
   void expose(const wire::Scene& scene) override { scene_ = scene; }
   Observation observe(int ball, const Eigen::Vector3d&, bool) override {
@@ -82,8 +85,9 @@ class CameraSource : public Source {
       : rig_(scenario.plant.world, scenario.vision, seed) {
     const plant::World& world = scenario.plant.world;
     if (world.balls.size() != 1) {
-      throw std::invalid_argument("vision.source cameras tells no balls apart: it needs exactly one ball, not " +
-                                  std::to_string(world.balls.size()) + "; emulated can have more");
+      throw std::invalid_argument(
+          "vision.source cameras tells no balls apart: it needs exactly one ball, not " +
+          std::to_string(world.balls.size()) + "; emulated can have more");
     }
     std::vector<Camera*> cameras;
     for (Camera* camera : rig_.cameras()) {
@@ -91,7 +95,8 @@ class CameraSource : public Source {
       cameras.push_back(faulty_.back().get());
     }
     const double radius = world.balls[0].radius;
-    tracker_ = std::make_unique<Tracker>(scenario.vision, radius, world.table_height + radius, cameras);
+    tracker_ =
+        std::make_unique<Tracker>(scenario.vision, radius, world.table_height + radius, cameras);
   }
 
   void expose(const wire::Scene& scene) override {
@@ -180,7 +185,8 @@ class Service {
   void take_requests(std::int64_t now_ns) {
     wire::ServiceRequest request{};
     while (requests_.take(request)) {
-      if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN) continue;
+      if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN)
+        continue;
       wire::ServiceReply reply{};
       reply.request_id = request.request_id;
       reply.process = c3rt_v1_PROCESS_VISION;
@@ -196,7 +202,9 @@ class Service {
   void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
     constexpr double kLongest = 3600.0;  // [s]
     const std::int64_t until_ns =
-        now_ns + nanoseconds(std::isfinite(fault.duration_s) ? std::clamp(fault.duration_s, 0.0, kLongest) : 0.0);
+        now_ns + nanoseconds(std::isfinite(fault.duration_s)
+                                 ? std::clamp(fault.duration_s, 0.0, kLongest)
+                                 : 0.0);
     switch (fault.kind) {
       case c3rt_v1_FAULT_FREEZE_CAMERA:
         source_->freeze(fault.index, until_ns);
@@ -331,28 +339,32 @@ void run_lockstep(wire::Bus& bus, Service& service, double rate) {
 int run(int argc, char** argv) {
   int exit_status = 0;
   const auto options = config::parse_process_options(
-      argc, argv, "c3rt-vision", "Three virtual cameras, or an emulated sensor: the ball's position, velocity and spin.",
+      argc, argv, "c3rt-vision",
+      "Three virtual cameras, or an emulated sensor: the ball's position, velocity and spin.",
       exit_status);
   if (!options) return exit_status;
   const wire::StopFlag stop;
   // one thread is faster than two that wait for each other on images this small
   cv::setNumThreads(1);
-  const config::Scenario scenario = config::load_scenario(options->scenario_path, options->overrides);
+  const config::Scenario scenario =
+      config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
   wire::Bus bus({options->domain, options->dds_profile,
-                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime, options->session});
+                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime,
+                 options->session});
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION);
   Service service(scenario, *options, bus, status);
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
-               scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated", scenario.vision.rate,
-               scenario.vision.cameras.size());
+               scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated",
+               scenario.vision.rate, scenario.vision.cameras.size());
   if (lockstep) {
     run_lockstep(bus, service, scenario.vision.rate);
   } else {
     run_realtime(bus, service);
   }
-  spdlog::info("stop exposures={} dropped_frames={} lost_events={}", status.counter("exposures").load(),
-               status.counter("dropped_frames").load(), status.counter("lost_events").load());
+  spdlog::info("stop exposures={} dropped_frames={} lost_events={}",
+               status.counter("exposures").load(), status.counter("dropped_frames").load(),
+               status.counter("lost_events").load());
   return 0;
 }
 

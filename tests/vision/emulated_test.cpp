@@ -27,7 +27,8 @@ TEST_CASE("emulated: noise has the wanted spread on x and y, none on z, and no b
   for (int axis = 0; axis < 2; ++axis) {
     // four standard errors: sigma / sqrt(n) of the mean, sigma / sqrt(2 n) of the deviation
     REQUIRE(std::abs(sum[axis] / kSamples) < 4 * sigma / std::sqrt(kSamples));
-    REQUIRE(std::sqrt(squares[axis] / kSamples) == Approx(sigma).margin(4 * sigma / std::sqrt(2.0 * kSamples)));
+    REQUIRE(std::sqrt(squares[axis] / kSamples) ==
+            Approx(sigma).margin(4 * sigma / std::sqrt(2.0 * kSamples)));
   }
   REQUIRE(std::abs(product / kSamples) < 4 * sigma * sigma / std::sqrt(kSamples));
   REQUIRE(within_one_sigma / double(kSamples) == Approx(0.6827).margin(0.014));

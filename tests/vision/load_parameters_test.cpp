@@ -60,7 +60,8 @@ TEST_CASE("vision parameters: a complete section is read, and its camera looks w
 
 TEST_CASE("vision parameters: mistakes are refused by key") {
   REQUIRE_THROWS_WITH(load(replaced("noise_m: 0.001", "noise: 0.001")), Catch::Contains("noise"));
-  REQUIRE_THROWS_WITH(load(replaced("source: cameras", "source: camera")), Catch::Contains("source"));
+  REQUIRE_THROWS_WITH(load(replaced("source: cameras", "source: camera")),
+                      Catch::Contains("source"));
   REQUIRE_THROWS_WITH(load(replaced("position_weight: 0.8", "position_weight: 1.8")),
                       Catch::Contains("position_weight"));
   REQUIRE_THROWS_WITH(load(replaced("width_px: 640", "width_px: 64")), Catch::Contains("roi_px"));

@@ -1,4 +1,6 @@
 // The process c3rt-vision on a real bus, with this test as its plant.
+#include "idl/process.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -14,7 +16,6 @@
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
-#include "idl/process.hpp"
 
 extern char** environ;
 
@@ -54,10 +55,16 @@ std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) 
 /// c3rt-vision as a child process; killed if the test forgets it.
 class Child {
  public:
-  explicit Child(const std::string& scenario, const std::string& clock, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-vision", scenario,
-                                          "--clock", clock, "--domain", std::to_string(test_domain()),
-                                          "--dds-profile", kProfile};
+  explicit Child(const std::string& scenario, const std::string& clock,
+                 std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-vision",
+                                          scenario,
+                                          "--clock",
+                                          clock,
+                                          "--domain",
+                                          std::to_string(test_domain()),
+                                          "--dds-profile",
+                                          kProfile};
     arguments.insert(arguments.end(), more.begin(), more.end());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -203,7 +210,9 @@ bool same_bits(const Trace& a, const Trace& b) {
   return true;
 }
 
-TEST_CASE("in lockstep three cameras give one estimate per exposure, within 1 mm, stamped with the scenario's latency") {
+TEST_CASE(
+    "in lockstep three cameras give one estimate per exposure, within 1 mm, stamped with the "
+    "scenario's latency") {
   const std::string scenario = camera_scenario();
   const Trace first = trace(scenario, 1500);
   // at 0, 12.5, 25, … 1500 ms, each at the next full millisecond but the first, which is at 1 ms
@@ -218,9 +227,10 @@ TEST_CASE("in lockstep three cameras give one estimate per exposure, within 1 mm
   CHECK(p95(errors) < 1e-3);
   // clockwise at 0.08 m/s, so at the start along -y
   CHECK(first.estimates[10].v_WB_m_per_s[1] == Approx(-0.08).margin(0.02));
-  CHECK(std::count_if(first.detections.begin(), first.detections.end(),
-                      [](const wire::BallDetection& d) { return d.found && d.used && d.radius_px > 5; }) >
-        static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(first.detections.size())));
+  CHECK(std::count_if(
+            first.detections.begin(), first.detections.end(), [](const wire::BallDetection& d) {
+              return d.found && d.used && d.radius_px > 5;
+            }) > static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(first.detections.size())));
   CHECK(same_bits(first, trace(scenario, 1500)));
 }
 
@@ -254,7 +264,8 @@ TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and f
   }));
   REQUIRE(plant.until([&](const auto& e) { return e.p_WB_m[0] == last_seen.p_WB_m[0]; }));
   plant.inject(c3rt_v1_FAULT_NONE, 0, 0);
-  REQUIRE(plant.until([](const auto& e) { return e.valid && e.cameras_used == 3 && error(e) < 2e-3; }));
+  REQUIRE(
+      plant.until([](const auto& e) { return e.valid && e.cameras_used == 3 && error(e) < 2e-3; }));
 
   plant.inject(c3rt_v1_FAULT_NAN, 0, 3600);
   REQUIRE(plant.until([](const auto& e) { return std::isnan(e.p_WB_m[0]); }));

@@ -83,7 +83,8 @@ void detect_in_regions(benchmark::State& state) {
   }
   for (auto _ : state) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      benchmark::DoNotOptimize(detector.detect(cameras[i]->model(), images[i], rois[i], r.expected()));
+      benchmark::DoNotOptimize(
+          detector.detect(cameras[i]->model(), images[i], rois[i], r.expected()));
     }
   }
 }
@@ -92,7 +93,8 @@ void track(benchmark::State& state) {
   Rig& r = rig();
   for (auto _ : state) {
     r.expose();
-    const Sighting sighting = r.tracker.observe(r.pose.exposure_ns, r.pose.X_WB[0].translation(), true);
+    const Sighting sighting =
+        r.tracker.observe(r.pose.exposure_ns, r.pose.X_WB[0].translation(), true);
     if (sighting.fusion.cameras_used != 3) state.SkipWithError("a camera does not see the ball");
   }
 }
@@ -101,7 +103,8 @@ void search_one_camera_then_track(benchmark::State& state) {
   Rig& r = rig();
   for (auto _ : state) {
     r.expose();
-    const Sighting sighting = r.tracker.observe(r.pose.exposure_ns, Eigen::Vector3d(0.55, 0, kRadius), false);
+    const Sighting sighting =
+        r.tracker.observe(r.pose.exposure_ns, Eigen::Vector3d(0.55, 0, kRadius), false);
     if (!sighting.fusion.found) state.SkipWithError("the search does not find the ball");
   }
 }

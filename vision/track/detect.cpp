@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <opencv2/core.hpp>
@@ -15,6 +16,9 @@ constexpr double kReach = 0.3;
 constexpr double kProfileStep = 0.5;  // [px]
 constexpr int kFitIterations = 8;
 constexpr int kMinimumEdges = 8;
+constexpr double kFirstCutoff = 0.15;   // of the radius: Hough's circle is that good
+constexpr double kCutoffShrinks = 0.6;  // per iteration
+constexpr double kSizeWeight = 9.0;     // the known size counts as much as this many rays
 
 /// Bilinear; outside the image the border's value.
 double sample(const cv::Mat& image, double i, double j) {
@@ -32,9 +36,113 @@ double expected_radius_px(const CameraModel& camera, const Eigen::Vector3d& p_C,
   return camera.fx * sphere_outline(p_C, radius).semi_minor;
 }
 
+/// Tukey's weight of an edge: an edge of what covers the ball lies inside the outline and loses it.
+double weight_of(double error, double cutoff) {
+  const double r = error / cutoff;
+  return std::abs(r) < 1.0 ? (1.0 - r * r) * (1.0 - r * r) : 0.0;
+}
+
+/// Angles: an inlier's distance from the outline, and the distance that counts at the start. [rad]
+struct Precision {
+  double finest, first;
+  double cutoff(int iteration) const {
+    return std::max(finest, first * std::pow(kCutoffShrinks, iteration));
+  }
+};
+
+struct Fit {
+  Eigen::Vector3d p_C;  // of the sphere's centre [m]
+  int inliers;
+};
+
+/// The cone of directions through the edges, nothing known of its size: d · n = 1 with n =
+/// direction / cos(half angle).
+std::optional<Fit> fit_cone(const std::vector<Eigen::Vector3d>& edges, const Eigen::Vector3d& axis,
+                            double half_angle, double ball_radius, const Precision& precision) {
+  Eigen::Vector3d n = axis / std::cos(half_angle);
+  const auto error = [&](const Eigen::Vector3d& d) {
+    const double length = n.norm();
+    return (d.dot(n) - 1.0) / std::sqrt(length * length - 1.0);  // angle inside the cone
+  };
+  for (int iteration = 0; iteration < kFitIterations; ++iteration) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    int support = 0;
+    for (const Eigen::Vector3d& d : edges) {
+      const double weight = weight_of(error(d), precision.cutoff(iteration));
+      if (weight == 0.0) continue;
+      normal += weight * d * d.transpose();
+      right += weight * d;
+      ++support;
+    }
+    if (support < kMinimumEdges) return std::nullopt;
+    n = normal.ldlt().solve(right);
+    if (!n.allFinite() || n.norm() <= 1.0) return std::nullopt;
+  }
+  const Cone cone{n.normalized(), 1.0 / n.norm()};
+  const auto inlier = [&](const Eigen::Vector3d& d) {
+    return std::abs(error(d)) < precision.finest;
+  };
+  return Fit{cone_distance(cone, ball_radius) * cone.direction,
+             static_cast<int>(std::count_if(edges.begin(), edges.end(), inlier))};
+}
+
+/// A sphere on the table: place (x, y) of its centre and a small angle δ by which the picture shows
+/// it too large, so that a partly hidden outline cannot trade its size for its place.
+///
+///   error of a ray d:  angle(d, c) − asin(r / |c|) − δ,   c = X_CW (x, y, height)
+std::optional<Fit> fit_on_plane(const CameraModel& camera,
+                                const std::vector<Eigen::Vector3d>& edges,
+                                const Eigen::Vector3d& axis, const Expectation& expected,
+                                const Precision& precision) {
+  const std::optional<Eigen::Vector3d> start = intersect_plane(camera, axis, expected.ball_height);
+  if (!start) return std::nullopt;
+  const Eigen::Isometry3d X_CW = camera.X_WC.inverse();
+  const Eigen::Matrix<double, 3, 2> plane = X_CW.linear().leftCols<2>();
+  Eigen::Vector3d p_W = *start;
+  double delta = 0.0;
+  int inliers = 0;
+  Eigen::Vector3d c = X_CW * p_W;
+  for (int iteration = 0; iteration < kFitIterations; ++iteration) {
+    const double L = c.norm();
+    if (!(L > 2.0 * expected.ball_radius)) return std::nullopt;
+    const Eigen::Vector3d direction = c / L;
+    const double half_angle = std::asin(expected.ball_radius / L);
+    const Eigen::Vector3d half_angle_by_c = -std::tan(half_angle) / L * direction;
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    int support = 0;
+    inliers = 0;
+    for (const Eigen::Vector3d& d : edges) {
+      const double cosine = d.dot(direction);
+      const double sine = std::sqrt(std::max(1e-12, 1.0 - cosine * cosine));
+      const double error = std::atan2(sine, cosine) - half_angle - delta;
+      if (std::abs(error) < precision.finest) ++inliers;
+      const double weight = weight_of(error, precision.cutoff(iteration));
+      if (weight == 0.0) continue;
+      const Eigen::Vector3d by_c = (cosine * direction - d) / (sine * L) - half_angle_by_c;
+      Eigen::Vector3d row;
+      row << plane.transpose() * by_c, -1.0;
+      normal += weight * row * row.transpose();
+      gradient += weight * error * row;
+      ++support;
+    }
+    if (support < kMinimumEdges) return std::nullopt;
+    normal(2, 2) += kSizeWeight;
+    gradient[2] += kSizeWeight * delta;
+    const Eigen::Vector3d step = normal.ldlt().solve(gradient);
+    if (!step.allFinite()) return std::nullopt;
+    p_W.head<2>() -= step.head<2>();
+    delta -= step[2];
+    c = X_CW * p_W;
+  }
+  return Fit{c, inliers};
+}
+
 }  // namespace
 
-bool roi_around(const CameraModel& camera, const Expectation& expected, int side, Roi& roi) noexcept {
+bool roi_around(const CameraModel& camera, const Expectation& expected, int side,
+                Roi& roi) noexcept {
   const Eigen::Vector3d p_C = camera.X_WC.inverse() * expected.p_WB;
   if (!(p_C.z() > 2.0 * expected.ball_radius)) return false;
   const Eigen::Vector2d centre = project(camera, p_C);
@@ -46,8 +154,10 @@ bool roi_around(const CameraModel& camera, const Expectation& expected, int side
   }
   roi.width = std::min(side, camera.width);
   roi.height = std::min(side, camera.height);
-  roi.x = std::clamp(static_cast<int>(std::lround(centre.x())) - roi.width / 2, 0, camera.width - roi.width);
-  roi.y = std::clamp(static_cast<int>(std::lround(centre.y())) - roi.height / 2, 0, camera.height - roi.height);
+  roi.x = std::clamp(static_cast<int>(std::lround(centre.x())) - roi.width / 2, 0,
+                     camera.width - roi.width);
+  roi.y = std::clamp(static_cast<int>(std::lround(centre.y())) - roi.height / 2, 0,
+                     camera.height - roi.height);
   roi.binning = 1;
   return true;
 }
@@ -61,7 +171,8 @@ Eigen::Vector2d to_full(const Roi& roi, double i, double j) noexcept {
 }
 
 Eigen::Vector2d to_image(const Roi& roi, const Eigen::Vector2d& full) noexcept {
-  return {(full.x() - roi.x + 0.5) / roi.binning - 0.5, (full.y() - roi.y + 0.5) / roi.binning - 0.5};
+  return {(full.x() - roi.x + 0.5) / roi.binning - 0.5,
+          (full.y() - roi.y + 0.5) / roi.binning - 0.5};
 }
 
 Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
@@ -83,11 +194,13 @@ Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image
   const int largest = static_cast<int>(std::ceil(radius * (1.0 + parameters_.radius_tolerance)));
   std::vector<cv::Vec3f> circles;
   cv::HoughCircles(smooth_, circles, cv::HOUGH_GRADIENT, parameters_.hough_resolution, radius,
-                   parameters_.hough_edge, parameters_.hough_votes, std::max(1, smallest), std::max(2, largest));
+                   parameters_.hough_edge, parameters_.hough_votes, std::max(1, smallest),
+                   std::max(2, largest));
 
   const Eigen::Vector2d wanted = to_image(roi, project(camera, p_C));
   std::sort(circles.begin(), circles.end(), [&](const cv::Vec3f& a, const cv::Vec3f& b) {
-    return std::hypot(a[0] - wanted.x(), a[1] - wanted.y()) < std::hypot(b[0] - wanted.x(), b[1] - wanted.y());
+    return std::hypot(a[0] - wanted.x(), a[1] - wanted.y()) <
+           std::hypot(b[0] - wanted.x(), b[1] - wanted.y());
   });
   for (const cv::Vec3f& circle : circles) {
     const Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
@@ -96,8 +209,8 @@ Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image
   return {};
 }
 
-Detection CircleDetector::refine(const CameraModel& camera, const Roi& roi, const Eigen::Vector2d& start,
-                                 double radius, const Expectation& expected) {
+void CircleDetector::find_edges(const CameraModel& camera, const Roi& roi,
+                                const Eigen::Vector2d& start, double radius) {
   edges_.clear();
   const int samples = static_cast<int>(std::ceil(2.0 * kReach * radius / kProfileStep)) + 5;
   for (int ray = 0; ray < parameters_.rays; ++ray) {
@@ -131,58 +244,30 @@ Detection CircleDetector::refine(const CameraModel& camera, const Roi& roi, cons
     if (i < 0.0 || j < 0.0 || i > smooth_.cols - 1 || j > smooth_.rows - 1) continue;
     edges_.push_back(unproject(camera, to_full(roi, i, j)).normalized());
   }
-  if (static_cast<int>(edges_.size()) < kMinimumEdges) return {};
+}
 
-  // d · n = 1 with n = direction / cos(half angle), re-weighted from the Hough circle towards the inliers; an edge of
-  // what covers the ball lies inside the outline and loses its weight
-  const Eigen::Vector2d centre_px = to_full(roi, start.x(), start.y());
-  const Eigen::Vector3d axis = unproject(camera, centre_px).normalized();
+Detection CircleDetector::refine(const CameraModel& camera, const Roi& roi,
+                                 const Eigen::Vector2d& start, double radius,
+                                 const Expectation& expected) {
+  find_edges(camera, roi, start, radius);
+  const Eigen::Vector3d axis = unproject(camera, to_full(roi, start.x(), start.y())).normalized();
   const double pixel = roi.binning / camera.fx * axis.z() * axis.z();  // angle of one pixel, about
-  Eigen::Vector3d n = axis / std::cos(radius * pixel);
-  const double finest = parameters_.inlier * pixel;
-  double cutoff = std::max(4.0 * finest, 0.15 * radius * pixel);
-  const auto distance = [&](const Eigen::Vector3d& d) {
-    const double length = n.norm();
-    const double sine = std::sqrt(std::max(1e-12, 1.0 - 1.0 / (length * length)));
-    return (d.dot(n) - 1.0) / (length * sine);  // angle inside the cone
-  };
-  for (int iteration = 0; iteration < kFitIterations; ++iteration) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    int support = 0;
-    for (const Eigen::Vector3d& d : edges_) {
-      const double r = distance(d) / cutoff;
-      if (std::abs(r) >= 1.0) continue;
-      const double weight = (1.0 - r * r) * (1.0 - r * r);
-      normal += weight * d * d.transpose();
-      right += weight * d;
-      ++support;
-    }
-    if (support < kMinimumEdges) return {};
-    n = normal.ldlt().solve(right);
-    if (!n.allFinite() || n.norm() <= 1.0) return {};
-    cutoff = std::max(finest, 0.6 * cutoff);
-  }
-  int inliers = 0;
-  for (const Eigen::Vector3d& d : edges_) inliers += std::abs(distance(d)) < finest ? 1 : 0;
+  const Precision precision{parameters_.inlier * pixel,
+                            std::max(4.0 * parameters_.inlier, kFirstCutoff * radius) * pixel};
+  const std::optional<Fit> fit =
+      parameters_.position == PositionMethod::kPlane
+          ? fit_on_plane(camera, edges_, axis, expected, precision)
+          : fit_cone(edges_, axis, radius * pixel, expected.ball_radius, precision);
+  if (!fit || fit->p_C.z() <= expected.ball_radius) return {};
 
   Detection detection;
-  detection.visible = static_cast<double>(inliers) / parameters_.rays;
+  detection.visible = static_cast<double>(fit->inliers) / parameters_.rays;
   if (detection.visible < parameters_.visible) return detection;
-  const Cone cone{n.normalized(), 1.0 / n.norm()};
-  const Eigen::Vector3d p_C = cone_distance(cone, expected.ball_radius) * cone.direction;
-  if (p_C.z() <= expected.ball_radius) return detection;
-  if (parameters_.position == PositionMethod::kPlane) {
-    const auto p_WB = intersect_plane(camera, cone.direction, expected.ball_height);
-    if (!p_WB) return detection;
-    detection.p_WB = *p_WB;
-  } else {
-    detection.p_WB = camera.X_WC * p_C;
-  }
-  const Outline outline = sphere_outline(p_C, expected.ball_radius);
+  detection.found = true;
+  detection.p_WB = camera.X_WC * fit->p_C;
+  const Outline outline = sphere_outline(fit->p_C, expected.ball_radius);
   detection.centre = project(camera, Eigen::Vector3d(outline.centre.x(), outline.centre.y(), 1.0));
   detection.radius = camera.fx * outline.semi_minor;
-  detection.found = true;
   return detection;
 }
 

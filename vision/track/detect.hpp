@@ -1,5 +1,6 @@
 #pragma once
-// Finds one ball in one camera's image: circle Hough transform, then a sub-pixel fit of the sphere's outline.
+// Finds one ball in one camera's image: circle Hough transform, then a sub-pixel fit of the
+// sphere's outline.
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,15 +10,15 @@
 
 namespace c3rt::vision {
 
-/// The part of the sensor that is read out. binning 2 joins 2 x 2 pixels into one, as a camera does for a faster
-/// frame; width and height count pixels of the full sensor and are multiples of it.
+/// The part of the sensor that is read out. binning 2 joins 2 x 2 pixels into one, as a camera does
+/// for a faster frame; width and height count pixels of the full sensor and are multiples of it.
 struct Roi {
   int x, y, width, height, binning;
 };
 
 /// How the position follows from the outline.
 enum class PositionMethod {
-  kPlane,   // the ray through the centre meets the height of the ball's centre: the ball is on the table
+  kPlane,   // the ball is on the table: only its place there is sought
   kRadius,  // distance from the size of the outline: needs no table, but noisier along the ray
 };
 
@@ -28,12 +29,13 @@ struct DetectorParameters {
   double hough_resolution;  // accumulator's cell [px of the image]
   double hough_edge;        // threshold of the edge detector [grey levels]
   double hough_votes;       // threshold of the accumulator
-  double radius_tolerance;  // relative deviation from the expected radius that the Hough transform allows ...
+  double radius_tolerance;  // relative deviation from the expected radius that the Hough transform
+                            // allows ...
   double search_radius_tolerance;  // ... and in the search, where the distance is unknown
-  int rays;                 // radial profiles for the sub-pixel fit
-  double edge_contrast;     // drop of the profile below which there is no edge [grey levels]
-  double inlier;            // distance from the outline within which an edge belongs to it [px]
-  double visible;           // share of the rays that must end on the outline
+  int rays;                        // radial profiles for the sub-pixel fit
+  double edge_contrast;            // drop of the profile below which there is no edge [grey levels]
+  double inlier;   // distance from the outline within which an edge belongs to it [px]
+  double visible;  // share of the rays that must end on the outline
   PositionMethod position;
 };
 
@@ -46,14 +48,17 @@ struct Expectation {
 
 struct Detection {
   bool found = false;
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  // of the outline's ellipse, in the full image [px]
-  double radius = 0.0;                               // its semi minor axis [px]
-  double visible = 0.0;                              // share of the rays that ended on the outline
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();    // [m]
+  Eigen::Vector2d centre =
+      Eigen::Vector2d::Zero();  // of the outline's ellipse, in the full image [px]
+  double radius = 0.0;          // its semi minor axis [px]
+  double visible = 0.0;         // share of the rays that ended on the outline
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  // [m]
 };
 
-/// Square region around the expected ball, moved to lie within the image; false if the ball is not in the picture.
-bool roi_around(const CameraModel& camera, const Expectation& expected, int side, Roi& roi) noexcept;
+/// Square region around the expected ball, moved to lie within the image; false if the ball is not
+/// in the picture.
+bool roi_around(const CameraModel& camera, const Expectation& expected, int side,
+                Roi& roi) noexcept;
 /// The whole sensor.
 Roi full_roi(const CameraModel& camera, int binning) noexcept;
 /// Centre of image pixel (i, j) of a region, in the full image, and back. [px]
@@ -65,14 +70,19 @@ class CircleDetector {
  public:
   explicit CircleDetector(const DetectorParameters& parameters) : parameters_(parameters) {}
 
-  /// @param image  CV_8UC3 (red, green, blue): the ball is where red exceeds blue; CV_8UC1: the ball is bright
+  /// @param image  CV_8UC3 (red, green, blue): the ball is where red exceeds blue; CV_8UC1: the
+  /// ball is bright
   /// @param roi    where the image lies on the sensor
   /// Of several circles the one nearest to the expectation is taken.
-  Detection detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi, const Expectation& expected);
+  Detection detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
+                   const Expectation& expected);
 
  private:
-  Detection refine(const CameraModel& camera, const Roi& roi, const Eigen::Vector2d& start, double radius,
-                   const Expectation& expected);
+  /// Radial profiles around a circle in the image -> rays through their steepest descent.
+  void find_edges(const CameraModel& camera, const Roi& roi, const Eigen::Vector2d& start,
+                  double radius);
+  Detection refine(const CameraModel& camera, const Roi& roi, const Eigen::Vector2d& start,
+                   double radius, const Expectation& expected);
 
   DetectorParameters parameters_;
   cv::Mat channel_, other_, smooth_;

@@ -19,8 +19,8 @@ Eigen::Vector3d rolling_angular_velocity(const Eigen::Vector3d& v_WB, double rad
   return {-v_WB.y() / radius, v_WB.x() / radius, 0.0};
 }
 
-Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB, const Eigen::Vector3d& omega_WB,
-                                      double dt) noexcept {
+Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB,
+                                      const Eigen::Vector3d& omega_WB, double dt) noexcept {
   const Eigen::Vector3d half = 0.5 * dt * omega_WB;
   const double angle = half.norm();
   // sin(a)/a by its series where the quotient would lose all digits
@@ -81,18 +81,25 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
 
   const double a = parameters_.position_weight;
   const double b = parameters_.velocity_weight;
-  const Eigen::Vector3d p = (1.0 - a) * p_measured_ + a * measurement.p_WB;
-  const Eigen::Vector3d difference = (p - estimate_.p_WB) / dt;
-  const Eigen::Vector3d& previous =
-      parameters_.velocity_filter == VelocityFilter::kTwoTap ? difference_ : estimate_.v_WB;
-  const Eigen::Vector3d v = (1.0 - b) * previous + b * difference;
+  Eigen::Vector3d p, v;
+  if (parameters_.velocity_filter == VelocityFilter::kPredicting) {
+    const Eigen::Vector3d surprise = measurement.p_WB - p_expected;
+    p = p_expected + a * surprise;
+    v = estimate_.v_WB + b / dt * surprise;
+  } else {
+    p = (1.0 - a) * p_measured_ + a * measurement.p_WB;
+    const Eigen::Vector3d difference = (p - estimate_.p_WB) / dt;
+    const Eigen::Vector3d& previous =
+        parameters_.velocity_filter == VelocityFilter::kTwoTap ? difference_ : estimate_.v_WB;
+    v = (1.0 - b) * previous + b * difference;
+    difference_ = difference;
+  }
 
   estimate_.p_WB = p;
   estimate_.v_WB = v;
   estimate_.omega_WB = rolling_angular_velocity(v, radius_);
   estimate_.q_WB = integrate_rotation(estimate_.q_WB, estimate_.omega_WB, dt);
   estimate_.measured = true;
-  difference_ = difference;
   p_measured_ = measurement.p_WB;
   measured_ns_ = measurement.exposure_ns;
   misses_ = 0;

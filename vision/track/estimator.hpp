@@ -10,15 +10,18 @@ namespace c3rt::vision {
 enum class VelocityFilter {
   kTwoTap,     // v = (1 - b) d(previous) + b d(new)
   kRecursive,  // v = (1 - b) v(previous) + b d(new): smoother, slower
+  // With e = p_meas - (p + v dt)(previous): p = p_expected + a e, v = v(previous) + b e / dt. Of the three it carries
+  // the least noise for the same lag, and none of a ball that rolls freely.
+  kPredicting,
 };
 
 struct EstimatorParameters {
   double position_weight;  // a in (0, 1]: of the newest measurement
   double velocity_weight;  // b in (0, 1]: of the newest difference
   VelocityFilter velocity_filter;
-  double lost_after;       // without a measurement for longer than this, the ball is lost [s]
-  double gate;             // a measurement farther than this from the prediction is not believed ... [m]
-  int gate_misses;         // ... unless that happens more than this many times in a row
+  double lost_after;  // without a measurement for longer than this, the ball is lost [s]
+  double gate;        // a measurement farther than this from the prediction is not believed ... [m]
+  int gate_misses;    // ... unless that happens more than this many times in a row
 };
 
 /// What the cameras say about one exposure.
@@ -30,13 +33,13 @@ struct Measurement {
 
 struct Estimate {
   std::int64_t exposure_ns = 0;
-  bool seen = false;      // at least once
-  bool valid = false;     // false: never seen, or lost; the numbers are then the last good ones
-  bool measured = false;  // the measurement of this exposure was used
-  bool restarted = false; // the filters started anew with this measurement
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();        // filtered [m]
-  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();        // [m/s]
-  Eigen::Vector3d omega_WB = Eigen::Vector3d::Zero();    // in W [rad/s]
+  bool seen = false;       // at least once
+  bool valid = false;      // false: never seen, or lost; the numbers are then the last good ones
+  bool measured = false;   // the measurement of this exposure was used
+  bool restarted = false;  // the filters started anew with this measurement
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      // filtered [m]
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();      // [m/s]
+  Eigen::Vector3d omega_WB = Eigen::Vector3d::Zero();  // in W [rad/s]
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
 };
 
@@ -47,27 +50,30 @@ struct Estimate {
 /// RT: no heap, no lock, no throw.
 Eigen::Vector3d rolling_angular_velocity(const Eigen::Vector3d& v_WB, double radius) noexcept;
 
-/// exp(ω dt) q: the orientation after turning with ω (in W) for dt. Normalised. RT: no heap, no lock, no throw.
-Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB, const Eigen::Vector3d& omega_WB,
-                                      double dt) noexcept;
+/// exp(ω dt) q: the orientation after turning with ω (in W) for dt. Normalised. RT: no heap, no
+/// lock, no throw.
+Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB,
+                                      const Eigen::Vector3d& omega_WB, double dt) noexcept;
 
-/// Low-pass filter of the position, velocity by finite differences of the filtered position over the exposures'
-/// stamps, angular velocity and orientation by rolling without slipping [C3, VII-A and VII-C]:
+/// Low-pass filter of the position, velocity by finite differences of the filtered position over
+/// the exposures' stamps, angular velocity and orientation by rolling without slipping [C3, VII-A
+/// and VII-C]:
 ///
 ///   p = (1 − a) p_meas(previous) + a p_meas(new)
 ///   d = (p − p(previous)) / dt
 ///   v = (1 − b) d(previous) + b d(new)          (kTwoTap)
 class Estimator {
  public:
-  /// @throws std::invalid_argument if a weight is outside (0, 1], or a length or time is not positive
+  /// @throws std::invalid_argument if a weight is outside (0, 1], or a length or time is not
+  /// positive
   Estimator(const EstimatorParameters& parameters, double ball_radius);
 
   /// One exposure, found or not. Exposures that are not newer than the last one change nothing.
   /// RT: no heap, no lock, no throw.
   const Estimate& step(const Measurement& measurement) noexcept;
 
-  /// Where the ball is expected at an exposure: the last position, carried on with the last velocity for at most
-  /// lost_after. RT: no heap, no lock, no throw.
+  /// Where the ball is expected at an exposure: the last position, carried on with the last
+  /// velocity for at most lost_after. RT: no heap, no lock, no throw.
   Eigen::Vector3d predict(std::int64_t exposure_ns) const noexcept;
 
   const Estimate& estimate() const noexcept { return estimate_; }
@@ -81,7 +87,7 @@ class Estimator {
   std::int64_t measured_ns_ = 0;  // exposure of the last measurement that was used
   Eigen::Vector3d p_measured_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d difference_ = Eigen::Vector3d::Zero();
-  int misses_ = 0;                // measurements in a row outside the gate
+  int misses_ = 0;  // measurements in a row outside the gate
 };
 
 }  // namespace c3rt::vision

@@ -13,7 +13,8 @@ Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d&
     candidate.found = true;
     candidate.used.assign(estimates.size(), false);
     for (std::size_t i = 0; i < estimates.size(); ++i) {
-      if (!estimates[i].found || (estimates[i].p_WB - member.p_WB).norm() > parameters.outlier) continue;
+      if (!estimates[i].found || (estimates[i].p_WB - member.p_WB).norm() > parameters.outlier)
+        continue;
       candidate.used[i] = true;
       candidate.p_WB += estimates[i].p_WB;
       ++candidate.cameras_used;

@@ -25,8 +25,9 @@ struct Fusion {
 
 /// Compares the cameras' estimates, rejects outliers and averages the rest [C3, VII-C].
 ///
-/// The largest set of cameras that agree with one of its members within `outlier` is used. Where two such sets are
-/// equally large (two cameras that contradict each other), the one nearest to `p_expected` is.
+/// The largest set of cameras that agree with one of its members within `outlier` is used. Where
+/// two such sets are equally large (two cameras that contradict each other), the one nearest to
+/// `p_expected` is.
 Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d& p_expected,
             const FusionParameters& parameters);
 

@@ -15,7 +15,8 @@ Eigen::Matrix3d look_at(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_W)
   const Eigen::Vector3d forward = p_W - p_WC;
   const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ());
   if (right.norm() < kSmallest) {
-    throw std::invalid_argument("camera: looks straight up or down, so its image has no upright direction");
+    throw std::invalid_argument(
+        "camera: looks straight up or down, so its image has no upright direction");
   }
   Eigen::Matrix3d R_WC;
   R_WC.col(2) = forward.normalized();
@@ -45,7 +46,8 @@ Outline sphere_outline(const Eigen::Vector3d& p_C, double radius) noexcept {
   return outline;
 }
 
-Eigen::Vector3d sphere_from_outline(const Eigen::Vector2d& centre, double semi_minor, double radius) noexcept {
+Eigen::Vector3d sphere_from_outline(const Eigen::Vector2d& centre, double semi_minor,
+                                    double radius) noexcept {
   const double z = radius * std::sqrt(1.0 + 1.0 / (semi_minor * semi_minor));
   const Eigen::Vector2d t = centre * (z * z - radius * radius) / z;
   return {t.x(), t.y(), z};
@@ -60,7 +62,8 @@ double cone_distance(const Cone& cone, double radius) noexcept {
   return radius / std::sqrt(1.0 - cone.cos_half_angle * cone.cos_half_angle);
 }
 
-std::optional<Eigen::Vector3d> intersect_plane(const CameraModel& camera, const Eigen::Vector3d& direction_C,
+std::optional<Eigen::Vector3d> intersect_plane(const CameraModel& camera,
+                                               const Eigen::Vector3d& direction_C,
                                                double height) noexcept {
   const Eigen::Vector3d p_WC = camera.X_WC.translation();
   const Eigen::Vector3d direction = camera.X_WC.linear() * direction_C;

@@ -13,11 +13,11 @@ constexpr double kRadius = 0.0315;
 constexpr std::int64_t kPeriod = 12'500'000;  // 80 Hz [ns]
 constexpr double kDt = 0.0125;
 
-EstimatorParameters parameters() {
-  return {0.8, 0.3, VelocityFilter::kTwoTap, 0.2, 0.03, 3};
-}
+EstimatorParameters parameters() { return {0.8, 0.3, VelocityFilter::kTwoTap, 0.2, 0.03, 3}; }
 
-Measurement seen(std::int64_t exposure_ns, const Eigen::Vector3d& p_WB) { return {exposure_ns, true, p_WB}; }
+Measurement seen(std::int64_t exposure_ns, const Eigen::Vector3d& p_WB) {
+  return {exposure_ns, true, p_WB};
+}
 
 }  // namespace
 
@@ -33,7 +33,8 @@ TEST_CASE("estimator: the first measurement is taken over as it is, at rest") {
 }
 
 TEST_CASE("estimator: the taps of position and velocity are those of the paper's implementation") {
-  // p1 = 0.2 * 0 + 0.8 * 1 = 0.8 mm, d1 = 0.8 mm / dt; p2 = 0.2 * 1 + 0.8 * 3 = 2.6 mm, d2 = 1.8 mm / dt
+  // p1 = 0.2 * 0 + 0.8 * 1 = 0.8 mm, d1 = 0.8 mm / dt; p2 = 0.2 * 1 + 0.8 * 3 = 2.6 mm, d2 = 1.8 mm
+  // / dt
   for (const double b : {0.3, 0.9}) {
     EstimatorParameters with = parameters();
     with.velocity_weight = b;
@@ -48,7 +49,8 @@ TEST_CASE("estimator: the taps of position and velocity are those of the paper's
   }
 }
 
-TEST_CASE("estimator: the recursive velocity filter answers a step of velocity with a geometric series") {
+TEST_CASE(
+    "estimator: the recursive velocity filter answers a step of velocity with a geometric series") {
   EstimatorParameters with = parameters();
   with.velocity_filter = VelocityFilter::kRecursive;
   with.position_weight = 1.0;
@@ -70,12 +72,15 @@ TEST_CASE("estimator: a ball of constant velocity is known exactly but for the p
   REQUIRE((estimate.v_WB - v).norm() < 1e-12);
   REQUIRE((estimate.p_WB - (p - 0.2 * kDt * v)).norm() < 1e-12);
   // rolling: the point that touches the table rests, v + ω × (−r) = 0
-  const Eigen::Vector3d slip = estimate.v_WB + estimate.omega_WB.cross(Eigen::Vector3d(0, 0, -kRadius));
+  const Eigen::Vector3d slip =
+      estimate.v_WB + estimate.omega_WB.cross(Eigen::Vector3d(0, 0, -kRadius));
   REQUIRE(slip.norm() < 1e-12);
   REQUIRE(estimate.omega_WB.z() == 0.0);
 }
 
-TEST_CASE("estimator: rolling one circumference turns the ball once round, on uneven exposure stamps too") {
+TEST_CASE(
+    "estimator: rolling one circumference turns the ball once round, on uneven exposure stamps "
+    "too") {
   EstimatorParameters with = parameters();
   with.position_weight = 1.0;
   with.velocity_weight = 1.0;
@@ -104,7 +109,9 @@ TEST_CASE("estimator: the exponential map agrees with the rotation matrix of the
   }
 }
 
-TEST_CASE("estimator: a lost ball keeps its last good numbers and is found again without a jump of velocity") {
+TEST_CASE(
+    "estimator: a lost ball keeps its last good numbers and is found again without a jump of "
+    "velocity") {
   Estimator estimator(parameters(), kRadius);
   std::int64_t t = 1;
   for (int k = 0; k < 10; ++k, t += kPeriod) estimator.step(seen(t, {0.001 * k, 0, 0}));

@@ -32,7 +32,8 @@ TEST_CASE("fuse: the one of three that disagrees is rejected, whichever it is") 
   }
 }
 
-TEST_CASE("fuse: of two cameras that contradict each other the one near the prediction is believed") {
+TEST_CASE(
+    "fuse: of two cameras that contradict each other the one near the prediction is believed") {
   const Fusion fusion = fuse({at(0.05, 0), at(0, 0), {}}, kBall, kParameters);
   REQUIRE(fusion.cameras_used == 1);
   REQUIRE(fusion.used[1]);

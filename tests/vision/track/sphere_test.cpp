@@ -14,8 +14,9 @@ constexpr double kRadius = 0.0315;
 const std::vector<Eigen::Vector3d> kPlaces = {
     {0, 0, 0.5}, {0.1, -0.2, 0.6}, {-0.4, 0.3, 0.8}, {0.03, 0.02, 0.1}, {0.5, 0.5, 0.4}};
 
-/// Points of the sphere where the line of sight touches it: (p − c)·p = 0 with |p − c| = r. Built from geometry alone,
-/// as the circle in which the sphere meets the sphere that has camera and centre as its poles.
+/// Points of the sphere where the line of sight touches it: (p − c)·p = 0 with |p − c| = r. Built
+/// from geometry alone, as the circle in which the sphere meets the sphere that has camera and
+/// centre as its poles.
 std::vector<Eigen::Vector3d> touching_points(const Eigen::Vector3d& c) {
   const double L = c.norm();
   const Eigen::Vector3d axis = c / L;
@@ -33,13 +34,15 @@ std::vector<Eigen::Vector3d> touching_points(const Eigen::Vector3d& c) {
 
 }  // namespace
 
-TEST_CASE("sphere: every projected point of the sphere lies in the outline and the touching ones on it") {
+TEST_CASE(
+    "sphere: every projected point of the sphere lies in the outline and the touching ones on it") {
   for (const Eigen::Vector3d& c : kPlaces) {
     const Outline outline = sphere_outline(c, kRadius);
     const Eigen::Vector2d minor(-outline.major_axis.y(), outline.major_axis.x());
     const auto level = [&](const Eigen::Vector3d& p) {
       const Eigen::Vector2d e = p.head<2>() / p.z() - outline.centre;
-      return std::hypot(e.dot(outline.major_axis) / outline.semi_major, e.dot(minor) / outline.semi_minor);
+      return std::hypot(e.dot(outline.major_axis) / outline.semi_major,
+                        e.dot(minor) / outline.semi_minor);
     };
     for (const Eigen::Vector3d& p : touching_points(c)) {
       REQUIRE((p - c).norm() == Approx(kRadius).epsilon(1e-12));  // on the sphere
@@ -50,9 +53,9 @@ TEST_CASE("sphere: every projected point of the sphere lies in the outline and t
     for (int a = 0; a < 180; ++a) {
       for (int b = 0; b < 360; ++b) {
         const double polar = a * M_PI / 180, azimuth = b * M_PI / 180;
-        const Eigen::Vector3d p = c + kRadius * Eigen::Vector3d(std::sin(polar) * std::cos(azimuth),
-                                                                std::sin(polar) * std::sin(azimuth),
-                                                                std::cos(polar));
+        const Eigen::Vector3d p =
+            c + kRadius * Eigen::Vector3d(std::sin(polar) * std::cos(azimuth),
+                                          std::sin(polar) * std::sin(azimuth), std::cos(polar));
         largest = std::max(largest, level(p));
       }
     }
@@ -61,12 +64,15 @@ TEST_CASE("sphere: every projected point of the sphere lies in the outline and t
   }
 }
 
-TEST_CASE("sphere: the centre of the outline is farther from the image's middle than the sphere's centre") {
+TEST_CASE(
+    "sphere: the centre of the outline is farther from the image's middle than the sphere's "
+    "centre") {
   const Eigen::Vector3d c(0.3, 0.0, 0.5);
   const Outline outline = sphere_outline(c, kRadius);
   const double bias = outline.centre.x() - c.x() / c.z();
   REQUIRE(bias > 0.0);
-  REQUIRE(bias == Approx(0.3 / 0.5 * kRadius * kRadius / (0.25 - kRadius * kRadius)).epsilon(1e-12));
+  REQUIRE(bias ==
+          Approx(0.3 / 0.5 * kRadius * kRadius / (0.25 - kRadius * kRadius)).epsilon(1e-12));
 }
 
 TEST_CASE("sphere: the centre follows from the outline, both ways and through the cone") {
@@ -81,7 +87,8 @@ TEST_CASE("sphere: the centre follows from the outline, both ways and through th
   }
 }
 
-TEST_CASE("camera: looks where it is told, upright, and its rays hit the table where the point is") {
+TEST_CASE(
+    "camera: looks where it is told, upright, and its rays hit the table where the point is") {
   Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
   X_WC.translation() = Eigen::Vector3d(1.2, 0.5, 0.8);
   const Eigen::Vector3d target(0.55, 0.0, 0.03);
@@ -89,7 +96,8 @@ TEST_CASE("camera: looks where it is told, upright, and its rays hit the table w
   REQUIRE(X_WC.linear().determinant() == Approx(1.0));
   const CameraModel camera = centred_camera(640, 480, 0.8, X_WC);
   REQUIRE((project(camera, X_WC.inverse() * target) - Eigen::Vector2d(319.5, 239.5)).norm() < 1e-9);
-  const Eigen::Vector2d above = project(camera, X_WC.inverse() * (target + Eigen::Vector3d(0, 0, 0.1)));
+  const Eigen::Vector2d above =
+      project(camera, X_WC.inverse() * (target + Eigen::Vector3d(0, 0, 0.1)));
   REQUIRE(above.x() == Approx(319.5));
   REQUIRE(above.y() < 239.5);
 
