@@ -30,6 +30,7 @@ std::optional<Instance> read(const std::filesystem::path& file) {
   instance.scenario = note.value("scenario", "");
   instance.clock = note.value("clock", "");
   instance.session = note.value("session", std::uint64_t{0});
+  instance.profile = note.value("profile", "");
   instance.out = note.value("out", "");
   instance.started = note.value("started", "");
   instance.ended = note.value("ended", "");
@@ -67,9 +68,9 @@ void DomainLock::set_ended(const std::string& how) {
 }
 
 void DomainLock::write() const {
-  const json note{{"pid", self_.pid},         {"verb", self_.verb},  {"scenario", self_.scenario},
-                  {"clock", self_.clock},     {"out", self_.out},    {"session", self_.session},
-                  {"started", self_.started}, {"ended", self_.ended}};
+  const json note{{"pid", self_.pid},     {"verb", self_.verb},       {"scenario", self_.scenario},
+                  {"clock", self_.clock}, {"session", self_.session}, {"profile", self_.profile},
+                  {"out", self_.out},     {"started", self_.started}, {"ended", self_.ended}};
   const std::string text = note.dump() + "\n";
   const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
                                                        static_cast<ssize_t>(text.size());

@@ -17,6 +17,7 @@ struct Instance {
   std::string scenario;  // name
   std::string clock;     // "realtime", "lockstep"
   std::uint64_t session = 0;
+  std::string profile;  // of DDS: a file
   std::string out;      // its folder
   std::string started;  // local time
   std::string ended;    // how the last one ended; empty while it runs

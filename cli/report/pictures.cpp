@@ -18,6 +18,10 @@ std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / 
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
+    if (c == '\n') {
+      result += "\\n";
+      continue;
+    }
     if (c == '"' || c == '\\') result += '\\';
     result += c;
   }
@@ -30,6 +34,12 @@ std::string terminal(const std::filesystem::path& file, int width, int height) {
       "set output {}\nset encoding utf8\nset border lw 0.8\nset tics nomirror out\nset grid lc rgb "
       "'#e4e4e4' lw 0.6\n",
       width, height, quoted(file.string()));
+}
+
+/// gnuplot refuses axes that no sample gives a range.
+const char* axes(bool any) {
+  return any ? "set xrange [0:*]\nset yrange [0:*]\nset nokey\n"
+             : "set xrange [0:1]\nset yrange [0:1]\nset nokey\n";
 }
 
 /// Runs one script. @return false if gnuplot is missing or refuses it
@@ -102,11 +112,10 @@ std::string tracking_script(const std::filesystem::path& file, const Series& ser
                           tracking.error.begin() + static_cast<std::ptrdiff_t>(end));
     rows += fmt::format("{:.4f} {:.5f}\n", tracking.time[i], largest * 1e3);
   }
-  return terminal(file, 900, 420) + "$error << EOD\n" + (rows.empty() ? "NaN NaN\n" : rows) +
-         "EOD\n" + fmt::format("set title {} noenhanced\n", quoted(title)) +
-         "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\nset yrange "
-         "[0:*]\nset nokey\n"
-         "plot $error with lines lw 1.1 lc rgb '#1f5fd0'\n";
+  return terminal(file, 900, 420) + "$error << EOD\n" + (rows.empty() ? "0 0\n" : rows) + "EOD\n" +
+         fmt::format("set title {} noenhanced\n", quoted(title)) +
+         "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\n" +
+         axes(!rows.empty()) + "plot $error with lines lw 1.1 lc rgb '#1f5fd0'\n";
 }
 
 /// Rows "value count" of a histogram up to the 99.9 % quantile [ms]; what is longer counts in the
@@ -119,7 +128,7 @@ std::string histogram(std::vector<double> samples, double& width) {
   const double last =
       samples[static_cast<std::size_t>(0.999 * static_cast<double>(samples.size() - 1))] * 1e3;
   const double first = std::min(0.0, samples.front() * 1e3);
-  width = std::max((last - first) / kBins, 1e-6);
+  width = std::max((last - first) / kBins, 1e-3);
   std::vector<int> counts(kBins, 0);
   for (const double sample : samples) {
     const int bin = static_cast<int>((sample * 1e3 - first) / width);
@@ -144,9 +153,8 @@ std::string histogram_panel(const std::string& name, const std::string& label,
                                     figures.p99 * 1e3, figures.max * 1e3);
   script += fmt::format("set title {} noenhanced\nset xlabel 'ms'\nset ylabel 'samples'\n",
                         quoted(label + "\n" + quantiles));
-  script += fmt::format(
-      "set boxwidth {:.6g}\nset style fill solid 0.75 noborder\nset yrange [0:*]\nset nokey\n",
-      width * 0.92);
+  script += fmt::format("set boxwidth {:.6g}\nset style fill solid 0.75 noborder\n", width * 0.92);
+  script += axes(!samples.empty());
   script += "plot $" + name + " with boxes lc rgb '#1f5fd0'\n";
   return script;
 }

@@ -1,0 +1,288 @@
+#include "cli/client.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/fields.hpp"
+#include "cli/lock.hpp"
+#include "cli/paths.hpp"
+#include "cli/run.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kDiscovery = 3.0;  // until a peer must have been found [s]
+constexpr double kReply = 5.0;      // until a process must have answered [s]
+
+/// Looks every 10 ms. @return false when the time is over or a stop was requested
+bool wait_until(double seconds, const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!condition()) {
+    if (wire::StopFlag::requested() || std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return true;
+}
+
+/// Writes one sample to whoever listens. @return an exit status
+template <typename T>
+int tell(const Seat& seat, T sample, const std::string& done) {
+  wire::Bus bus(bus_settings(seat));
+  wire::Writer<T> writer(bus);
+  if (!wait_until(kDiscovery, [&] { return writer.matched_readers() > 0; })) {
+    fmt::print(stderr, "c3rt: error: nobody listens to {} on domain {}; is an instance up?\n",
+               wire::topic<T>().name, seat.domain);
+    return kProcessFailed;
+  }
+  // others may be discovered a moment later than the first
+  std::this_thread::sleep_for(milliseconds(200));
+  if (!writer.write(sample, rt::now_ns())) {
+    fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
+    return kProcessFailed;
+  }
+  std::this_thread::sleep_for(milliseconds(200));  // the writer lives until it is delivered
+  fmt::print("{}\n", done);
+  return kDone;
+}
+
+/// A sample as a JSON object.
+class JsonVisitor {
+ public:
+  void header(const wire::Header& header) {
+    (*this)("session_id", header.session_id);
+    (*this)("seq", header.seq);
+    (*this)("time_ns", header.time_ns);
+  }
+  template <typename T>
+  void operator()(const char* name, const T& value) {
+    object_[name] = json_of(value);
+  }
+  void machine_time(const char* name, double value) { object_[name] = value; }
+  template <std::size_t Columns>
+  void matrix(const char* name, const double (*value)[Columns], int rows, int columns) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (int i = 0; i < rows; ++i) {
+      nlohmann::ordered_json row = nlohmann::ordered_json::array();
+      for (int j = 0; j < columns && j < static_cast<int>(Columns); ++j) row.push_back(value[i][j]);
+      all.push_back(row);
+    }
+    object_[name] = all;
+  }
+  std::string text() const { return object_.dump(); }
+
+ private:
+  template <typename T>
+  static nlohmann::ordered_json json_of(const T& value) {
+    if constexpr (std::is_array_v<T>) {
+      if constexpr (std::is_same_v<std::remove_extent_t<T>, char>) {
+        return std::string(value);
+      } else {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const auto& element : value) list.push_back(json_of(element));
+        return list;
+      }
+    } else if constexpr (std::is_enum_v<T>) {
+      return name_of(value);
+    } else {
+      return value;
+    }
+  }
+  nlohmann::ordered_json object_;
+};
+
+[[noreturn]] void unknown_topic(const std::string& name) {
+  std::string known;
+  for_each_topic([&](const auto& sample) {
+    known += (known.empty() ? "" : ", ") +
+             std::string(wire::topic<std::decay_t<decltype(sample)>>().name);
+  });
+  throw UsageError("unknown topic \"" + name + "\"; known: " + known);
+}
+
+/// Gives every sample of T to `action` until it returns false or a stop is requested.
+template <typename T, typename Action>
+void follow(const Seat& seat, Action&& action) {
+  wire::Bus bus(bus_settings(seat));
+  wire::Reader<T> reader(bus, 1024);
+  T sample{};
+  bool go_on = true;
+  while (go_on && !wire::StopFlag::requested()) {
+    bus.wait_for_data(100'000'000);
+    bool any = false;
+    while (go_on && reader.take(sample)) {
+      any = true;
+      go_on = action(&sample, reader);
+    }
+    if (!any) go_on = action(nullptr, reader);
+  }
+}
+
+}  // namespace
+
+wire::BusSettings bus_settings(const Seat& seat) {
+  wire::BusSettings bus;
+  bus.domain = seat.domain;
+  const auto instance = holder(runtime_directory(), seat.domain);
+  bus.profile_uri = instance && !instance->profile.empty()
+                        ? instance->profile
+                        : dds_profile_path(seat.dds_profile).string();
+  if (instance) {
+    bus.clock =
+        instance->clock == "lockstep" ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
+    bus.session_id = instance->session;
+  }
+  return bus;
+}
+
+Services listen(wire::Bus& bus, double seconds) {
+  wire::Reader<wire::ServiceStatus> reader(bus, 64);
+  Services services;
+  const std::uint64_t session = bus.session_id();
+  wait_until(seconds, [&] {
+    wire::ServiceStatus status{};
+    while (reader.take(status)) {
+      const auto process = static_cast<std::size_t>(status.process);
+      // what an older instance left behind is no word of this one
+      const bool ours = session == 0 || status.header.session_id == session;
+      if (ours && process < services.size()) services[process] = status;
+    }
+    return std::count_if(services.begin(), services.end(),
+                         [](const auto& s) { return s.has_value(); }) == 4;
+  });
+  return services;
+}
+
+int request(const Seat& seat, wire::Process process, c3rt_v1_RequestVerb verb) {
+  wire::Bus bus(bus_settings(seat));
+  wire::Writer<wire::ServiceRequest> writer(bus);
+  wire::Reader<wire::ServiceReply> reader(bus);
+  if (!wait_until(kDiscovery,
+                  [&] { return writer.matched_readers() > 0 && reader.matched_writers() > 0; })) {
+    fmt::print(stderr, "c3rt: error: nobody takes requests on domain {}; is an instance up?\n",
+               seat.domain);
+    return kProcessFailed;
+  }
+  std::this_thread::sleep_for(milliseconds(200));
+  wire::ServiceRequest wanted{};
+  wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
+  wanted.process = process;
+  wanted.verb = verb;
+  writer.write(wanted, rt::now_ns());
+  wire::ServiceReply reply{};
+  const bool answered = wait_until(kReply, [&] {
+    while (reader.take(reply)) {
+      if (reply.request_id == wanted.request_id) return true;
+    }
+    return false;
+  });
+  if (!answered) {
+    fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
+               wire::process_name(process), kReply);
+    return kProcessFailed;
+  }
+  fmt::print("{}: {}\n", wire::process_name(reply.process), reply.text);
+  return reply.ok ? kDone : kCriterionFailed;
+}
+
+int inject(const Seat& seat, const wire::FaultInject& fault) {
+  return tell(seat, fault,
+              fmt::format("{}: {}", wire::process_name(fault.process), name_of(fault.kind)));
+}
+
+int set_target(const Seat& seat, const wire::TaskTarget& target) {
+  return tell(seat, target, fmt::format("target: {}", name_of(target.kind)));
+}
+
+int print_topics(const Seat& seat) {
+  wire::Bus bus(bus_settings(seat));
+  struct Row {
+    const wire::Topic* topic;
+    std::unique_ptr<wire::ReaderBase, void (*)(wire::ReaderBase*)> reader;
+  };
+  std::vector<Row> rows;
+  for_each_topic([&](const auto& sample) {
+    using T = std::decay_t<decltype(sample)>;
+    rows.push_back({&wire::topic<T>(), {new wire::Reader<T>(bus, 1), [](wire::ReaderBase* reader) {
+                                          delete static_cast<wire::Reader<T>*>(reader);
+                                        }}});
+  });
+  std::this_thread::sleep_for(milliseconds(1000));  // discovery
+  fmt::print("  {:<17} {:<8} {}\n", "topic", "writers", "type");
+  for (const Row& row : rows) {
+    fmt::print("  {:<17} {:<8} {}\n", row.topic->name, row.reader->matched_writers(),
+               row.topic->descriptor->m_typename);
+  }
+  for (const wire::PeerProblem& problem : bus.problems())
+    fmt::print("  problem: {}\n", problem.text);
+  return kDone;
+}
+
+int echo(const Seat& seat, const std::string& topic, int count) {
+  int printed = 0;
+  const bool known = with_topic(topic, [&](const auto& kind) {
+    using T = std::decay_t<decltype(kind)>;
+    follow<T>(seat, [&](const T* sample, const wire::ReaderBase&) {
+      if (sample == nullptr) return true;
+      JsonVisitor visitor;
+      visitor.header(sample->header);
+      visit_fields(*sample, visitor);
+      fmt::print("{}\n", visitor.text());
+      std::fflush(stdout);
+      return count == 0 || ++printed < count;
+    });
+  });
+  if (!known) unknown_topic(topic);
+  return kDone;
+}
+
+int measure_rate(const Seat& seat, const std::string& topic, int count) {
+  const bool known = with_topic(topic, [&](const auto& kind) {
+    using T = std::decay_t<decltype(kind)>;
+    std::vector<double> gaps;  // between the times that the samples carry [s]
+    std::int64_t last_ns = 0;
+    int reports = 0;
+    auto next = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+    follow<T>(seat, [&](const T* sample, const wire::ReaderBase& reader) {
+      if (sample != nullptr) {
+        if (last_ns != 0)
+          gaps.push_back(static_cast<double>(sample->header.time_ns - last_ns) * 1e-9);
+        last_ns = sample->header.time_ns;
+      }
+      if (std::chrono::steady_clock::now() < next) return true;
+      next += std::chrono::seconds(1);
+      if (gaps.empty()) {
+        fmt::print("no samples\n");
+      } else {
+        double sum = 0.0;
+        for (const double gap : gaps) sum += gap;
+        const double mean = sum / static_cast<double>(gaps.size());
+        double squares = 0.0;
+        for (const double gap : gaps) squares += (gap - mean) * (gap - mean);
+        fmt::print("{:8.2f} Hz  n {}  gap min {:.3f}  max {:.3f}  sd {:.3f} ms  lost {}\n",
+                   1.0 / mean, gaps.size(), *std::min_element(gaps.begin(), gaps.end()) * 1e3,
+                   *std::max_element(gaps.begin(), gaps.end()) * 1e3,
+                   std::sqrt(squares / static_cast<double>(gaps.size())) * 1e3,
+                   reader.counters().lost);
+      }
+      std::fflush(stdout);
+      gaps.clear();
+      return count == 0 || ++reports < count;
+    });
+  });
+  if (!known) unknown_topic(topic);
+  return kDone;
+}
+
+}  // namespace c3rt::cli

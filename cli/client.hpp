@@ -1,0 +1,47 @@
+#pragma once
+// A person's seat on the bus of a running instance: ask, tell, look.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "idl/dds.hpp"
+
+namespace c3rt::cli {
+
+/// Which instance is meant.
+struct Seat {
+  std::uint32_t domain = 0;
+  std::string dds_profile = "loopback";
+};
+
+/// The settings that fit the instance on this domain: its clock, its session, its profile; realtime
+/// where none of this user runs.
+wire::BusSettings bus_settings(const Seat& seat);
+
+using Services = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount>;
+
+/// The newest words of every process that speaks within the time given; returns early once four
+/// have spoken.
+Services listen(wire::Bus& bus, double seconds);
+
+/// Sends a request and prints the reply. @return an exit status
+int request(const Seat& seat, wire::Process process, c3rt_v1_RequestVerb verb);
+
+/// Sends a fault to its process. @return an exit status
+int inject(const Seat& seat, const wire::FaultInject& fault);
+
+/// Sends a new target to the planner. @return an exit status
+int set_target(const Seat& seat, const wire::TaskTarget& target);
+
+/// Every topic: its type, who writes it, whether somebody does now.
+int print_topics(const Seat& seat);
+
+/// Samples of a topic as JSON, one a line; count 0: until interrupted. @throws UsageError for an
+/// unknown topic
+int echo(const Seat& seat, const std::string& topic, int count);
+
+/// Rate, jitter and losses of a topic, once a second. @throws UsageError for an unknown topic
+int measure_rate(const Seat& seat, const std::string& topic, int count);
+
+}  // namespace c3rt::cli

@@ -1,0 +1,99 @@
+#include "cli/launch.hpp"
+
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "cli/paths.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kTailLines = 15;
+constexpr const char* kProcesses[] = {"plant", "impedance", "planner", "vision"};
+
+fs::path default_out(const std::string& scenario) {
+  const std::string name =
+      fmt::format("{}-{:%Y%m%d-%H%M%S}", scenario, fmt::localtime(std::time(nullptr)));
+  fs::path out = fs::path("out") / name;
+  for (int i = 2; fs::exists(out); ++i) out = fs::path("out") / fmt::format("{}-{}", name, i);
+  return out;
+}
+
+wire::BusSettings bus_settings(const LaunchSettings& settings) {
+  wire::BusSettings bus;
+  bus.domain = settings.domain;
+  bus.profile_uri = dds_profile_path(settings.dds_profile).string();
+  bus.clock = settings.lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
+  bus.session_id = wire::draw_session();
+  return bus;
+}
+
+Instance instance(const LaunchSettings& settings, const std::string& scenario,
+                  const wire::BusSettings& bus, const fs::path& out) {
+  Instance self;
+  self.pid = getpid();
+  self.verb = settings.verb;
+  self.scenario = scenario;
+  self.clock = settings.clock_name();
+  self.session = bus.session_id;
+  self.profile = bus.profile_uri;
+  self.out = out.string();
+  self.started = fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+  return self;
+}
+
+}  // namespace
+
+Launch::Launch(const LaunchSettings& settings)
+    : settings_(settings),
+      file_(scenario_path(settings.scenario)),
+      scenario_(config::load_scenario(file_.string(), settings.overrides)),
+      out_(fs::absolute(settings.out.empty() ? default_out(scenario_.name)
+                                             : fs::path(settings.out))),
+      bus_(bus_settings(settings)),
+      lock_(runtime_directory(), settings.domain, instance(settings, scenario_.name, bus_, out_)) {
+  for (const char* name : kProcesses) {
+    const fs::path program = process_directory() / (std::string("c3rt-") + name);
+    if (access(program.c_str(), X_OK) != 0)
+      throw UsageError("there is no program " + program.string());
+  }
+  std::error_code error;
+  fs::create_directories(out_ / "logs", error);
+  if (error) throw UsageError("cannot make " + (out_ / "logs").string() + ": " + error.message());
+}
+
+void Launch::start(Supervisor& supervisor, bool recorded) const {
+  for (const char* name : kProcesses) {
+    ChildSpec spec;
+    spec.name = name;
+    spec.log = out_ / "logs" / (spec.name + ".log");
+    spec.arguments = {(process_directory() / ("c3rt-" + spec.name)).string(),
+                      file_.string(),
+                      "--clock=" + std::string(settings_.clock_name()),
+                      "--seed=" + std::to_string(settings_.seed),
+                      "--session=" + std::to_string(bus_.session_id),
+                      "--domain=" + std::to_string(bus_.domain),
+                      "--dds-profile=" + bus_.profile_uri};
+    for (const std::string& assignment : settings_.overrides)
+      spec.arguments.push_back("--set=" + assignment);
+    if (spec.name == "plant" && settings_.lockstep) {
+      spec.arguments.push_back(std::string("--expect=impedance,planner,vision") +
+                               (recorded ? ",recorder" : ""));
+    }
+    supervisor.start(spec);
+  }
+}
+
+std::string failure_text(const ChildExit& end) {
+  std::string text =
+      end.name + " " + end.reason + "; the end of its log (" + end.log.string() + "):\n";
+  const std::string last = tail(end.log, kTailLines);
+  return text + (last.empty() ? "  (empty)\n" : last);
+}
+
+}  // namespace c3rt::cli

@@ -1,0 +1,63 @@
+#pragma once
+// What `c3rt run` and `c3rt up` share: the scenario, the lock, the folder, the four processes.
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cli/lock.hpp"
+#include "cli/supervisor.hpp"
+#include "config/scenario.hpp"
+#include "idl/dds.hpp"
+
+namespace c3rt::cli {
+
+/// How a person asked for the processes.
+struct LaunchSettings {
+  std::string verb;      // "run", "up"
+  std::string scenario;  // name or path
+  bool lockstep = false;
+  std::uint64_t seed = 1;
+  std::vector<std::string> overrides;  // "planner.rate_hz=75"
+  std::string out;                     // empty: out/SCENARIO-DATE
+  std::uint32_t domain = 0;
+  std::string dds_profile = "loopback";
+
+  const char* clock_name() const { return lockstep ? "lockstep" : "realtime"; }
+};
+
+/// A process failed or never came up: exit status 3.
+class ProcessFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Everything checked, the domain locked, the folder made; nothing started yet.
+class Launch {
+ public:
+  /// @throws UsageError, config::ConfigError
+  explicit Launch(const LaunchSettings& settings);
+
+  /// Starts the four processes, each with its log in out()/logs.
+  /// @param recorded lockstep: the plant waits for the recorder, too
+  void start(Supervisor& supervisor, bool recorded) const;
+
+  const config::Scenario& scenario() const { return scenario_; }
+  const std::filesystem::path& out() const { return out_; }
+  const wire::BusSettings& bus() const { return bus_; }
+  DomainLock& lock() { return lock_; }
+
+ private:
+  LaunchSettings settings_;
+  std::filesystem::path file_;
+  config::Scenario scenario_;
+  std::filesystem::path out_;
+  wire::BusSettings bus_;
+  DomainLock lock_;
+};
+
+/// "planner was killed by signal 11 (Segmentation fault)", with the end of its log below.
+std::string failure_text(const ChildExit& end);
+
+}  // namespace c3rt::cli

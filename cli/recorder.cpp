@@ -1,0 +1,236 @@
+#include "cli/recorder.hpp"
+
+#include <chrono>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/log.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+constexpr std::int64_t kPeriod = 20'000'000;  // of the recorder in lockstep [ns]
+constexpr int kDepth = 1024;    // a second of the fastest topic may wait until it is taken
+constexpr double kStep = 1e-3;  // of the plant [s]
+
+double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-9; }
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Eigen::Vector3d vector(const c3rt_v1_Vec3& value) { return {value[0], value[1], value[2]}; }
+
+SceneRow row_of(const wire::Scene& sample) {
+  SceneRow row;
+  row.time_ns = sample.header.time_ns;
+  row.exposure = sample.exposure;
+  row.ball_count = std::min(static_cast<int>(sample.ball_count), kMaxBalls);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(row.ball_count); ++i)
+    row.p_WB[i] = vector(sample.p_WB_m[i]);
+  return row;
+}
+
+StateRow row_of(const wire::RobotState& sample) {
+  return {sample.header.time_ns, sample.header.seq,
+          vector(sample.p_WE_m), sample.mode == c3rt_v1_ROBOT_REFLEX,
+          sample.errors,         sample.command_success_rate};
+}
+
+CommandRow row_of(const wire::RobotCommand& sample) {
+  return {sample.header.time_ns,
+          sample.origin.state_ns,
+          sample.origin.exposure_ns,
+          sample.origin.plan_ns,
+          sample.mode == c3rt_v1_IMPEDANCE_TRACK,
+          vector(sample.p_WE_desired_m)};
+}
+
+PlanRow row_of(const wire::Plan& sample) {
+  return {sample.header.time_ns,
+          sample.origin.exposure_ns,
+          sample.phase == c3rt_v1_PHASE_ROLL || sample.phase == c3rt_v1_PHASE_RETURN,
+          sample.status == c3rt_v1_PLAN_TRUNCATED,
+          sample.status == c3rt_v1_PLAN_FALLBACK,
+          sample.solve_time_s};
+}
+
+EstimateRow row_of(const wire::BallEstimate& sample) {
+  return {sample.header.time_ns, sample.exposure_ns,  static_cast<int>(sample.ball),
+          sample.valid,          sample.cameras_used, vector(sample.p_measured_m)};
+}
+
+}  // namespace
+
+struct Recorder::Topics {
+  Topics(wire::Bus& bus, const std::filesystem::path& directory, const Circle& circle)
+      : scene(bus, kDepth),
+        state(bus, kDepth),
+        command(bus, kDepth),
+        plan(bus, kDepth),
+        estimate(bus, kDepth),
+        detection(bus, kDepth),
+        status(bus, 64),
+        scene_log(directory),
+        state_log(directory),
+        command_log(directory),
+        plan_log(directory),
+        estimate_log(directory),
+        detection_log(directory),
+        loops(circle) {}
+
+  std::uint64_t hash() const {
+    HashVisitor all;
+    for (const std::uint64_t part : {scene_log.hash(), state_log.hash(), command_log.hash(),
+                                     plan_log.hash(), estimate_log.hash(), detection_log.hash()}) {
+      all("", part);
+    }
+    return all.value();
+  }
+
+  wire::Reader<wire::Scene> scene;
+  wire::Reader<wire::RobotState> state;
+  wire::Reader<wire::RobotCommand> command;
+  wire::Reader<wire::Plan> plan;
+  wire::Reader<wire::BallEstimate> estimate;
+  wire::Reader<wire::BallDetection> detection;
+  wire::Reader<wire::ServiceStatus> status;
+  TopicLog<wire::Scene> scene_log;
+  TopicLog<wire::RobotState> state_log;
+  TopicLog<wire::RobotCommand> command_log;
+  TopicLog<wire::Plan> plan_log;
+  TopicLog<wire::BallEstimate> estimate_log;
+  TopicLog<wire::BallDetection> detection_log;
+  LoopCounter loops;
+  std::int64_t rolling_since = 0;  // 0: not yet [ns]
+  std::size_t counted = 0;         // rows of the scene that the loop counter has seen
+  double wall_first = 0.0, wall_last = 0.0;
+  std::uint64_t seq_first = 0, seq_last = 0;
+};
+
+Recorder::Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory,
+                   const Goal& goal)
+    : settings_(bus), directory_(directory / "log"), goal_(goal) {
+  std::filesystem::create_directories(directory_);
+  thread_ = std::thread([this] { run(); });
+}
+
+Recorder::~Recorder() { stop(); }
+
+void Recorder::stop() {
+  stop_.store(true);
+  if (!thread_.joinable()) return;
+  // in lockstep the thread may be waiting for a tick that never comes
+  if (settings_.clock == wire::ClockMode::kLockstep) wire::StopFlag::request();
+  thread_.join();
+}
+
+std::string Recorder::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+Live Recorder::live() const {
+  const std::lock_guard lock(mutex_);
+  return live_;
+}
+
+void Recorder::run() noexcept {
+  try {
+    record();
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(mutex_);
+    failure_ = error.what();
+  }
+}
+
+void Recorder::record() {
+  wire::Bus bus(settings_);
+  Topics topics(bus, directory_, goal_.circle);
+  if (settings_.clock == wire::ClockMode::kLockstep) {
+    wire::Loop loop(bus, {c3rt_v1_PROCESS_RECORDER, kPeriod});
+    std::int64_t now_ns = 0;
+    while (!stop_.load() && !done_.load() && loop.wait(now_ns)) {
+      if (take_all(topics)) done_.store(true);
+    }
+    const std::lock_guard lock(mutex_);
+    failure_ = loop.failure();
+  } else {
+    // waking for every sample would cost a tenth of a core; the readers are deep enough to look now
+    // and then
+    while (!stop_.load() && !done_.load()) {
+      if (take_all(topics)) done_.store(true);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  log_hash_ = fmt::format("fnv1a64:{:016x}", topics.hash());
+  if (topics.wall_last > topics.wall_first) {
+    real_time_factor_ = static_cast<double>(topics.seq_last - topics.seq_first) * kStep /
+                        (topics.wall_last - topics.wall_first);
+  }
+}
+
+bool Recorder::take_all(Topics& topics) {
+  const auto drain = [](auto& reader, auto& log, auto& rows, auto& sample) {
+    bool any = false;
+    while (reader.take(sample)) {
+      log.add(sample);
+      rows.push_back(row_of(sample));
+      any = true;
+    }
+    return any;
+  };
+  wire::Scene scene{};
+  wire::RobotState state{};
+  wire::RobotCommand command{};
+  wire::Plan plan{};
+  wire::BallEstimate estimate{};
+  wire::BallDetection detection{};
+  const bool has_scene = drain(topics.scene, topics.scene_log, series_.scene, scene);
+  if (drain(topics.state, topics.state_log, series_.state, state)) {
+    topics.wall_last = wall_time();
+    topics.seq_last = state.header.seq;
+    if (topics.wall_first == 0.0) {
+      topics.wall_first = topics.wall_last;
+      topics.seq_first = topics.seq_last;
+    }
+  }
+  drain(topics.command, topics.command_log, series_.command, command);
+  const std::size_t plans_before = series_.plan.size();
+  const bool has_plan = drain(topics.plan, topics.plan_log, series_.plan, plan);
+  for (std::size_t i = plans_before; i < series_.plan.size() && topics.rolling_since == 0; ++i) {
+    if (series_.plan[i].rolling) topics.rolling_since = series_.plan[i].time_ns;
+  }
+  drain(topics.estimate, topics.estimate_log, series_.estimate, estimate);
+  while (topics.detection.take(detection)) topics.detection_log.add(detection);
+
+  // the same count as evaluate(): scenes from the first plan that rolls
+  for (; topics.counted < series_.scene.size() && topics.rolling_since != 0; ++topics.counted) {
+    const SceneRow& row = series_.scene[topics.counted];
+    if (row.time_ns < topics.rolling_since || row.ball_count == 0) continue;
+    topics.loops.add(seconds(row.time_ns - start_ns(series_)), row.p_WB[0].head<2>());
+  }
+
+  wire::ServiceStatus status{};
+  const std::lock_guard lock(mutex_);
+  while (topics.status.take(status)) {
+    const auto process = static_cast<std::size_t>(status.process);
+    if (process < live_.services.size()) live_.services[process] = status;
+  }
+  if (has_scene) {
+    live_.any = true;
+    live_.time = seconds(scene.header.time_ns - start_ns(series_));
+    const SceneRow& row = series_.scene.back();
+    if (row.ball_count > 0) live_.ball_error = path_error(goal_.circle, row.p_WB[0]);
+  }
+  if (has_plan) live_.plan = plan;
+  live_.rolling = topics.rolling_since != 0;
+  live_.turns = topics.loops.turns();
+  live_.loops = topics.loops.completed();
+  live_.steps = topics.seq_last;
+  return topics.loops.completed() >= goal_.loops || live_.time >= goal_.duration;
+}
+
+}  // namespace c3rt::cli

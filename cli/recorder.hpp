@@ -1,0 +1,81 @@
+#pragma once
+// Takes everything off the bus: time series for the report, log files and their hash, the newest
+// words of each process.
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "cli/report/metrics.hpp"
+#include "idl/dds.hpp"
+
+namespace c3rt::cli {
+
+/// When the recording has seen enough.
+struct Goal {
+  Circle circle;
+  int loops;
+  double duration;  // from the first sample of the scene [s]
+};
+
+/// What a person wants to see while it runs.
+struct Live {
+  bool any = false;      // a scene has been seen
+  double time = 0.0;     // since the first sample of the scene [s]
+  bool rolling = false;  // the task has begun
+  double turns = 0.0;
+  int loops = 0;
+  double ball_error = kNone;  // newest distance to the path [m]
+  std::optional<wire::Plan> plan;
+  std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
+  std::uint64_t steps = 0;  // 1 kHz cycles of the plant so far
+};
+
+class Recorder {
+ public:
+  /// In lockstep the recorder is a process of its own in the plant's time and misses nothing; in
+  /// realtime it reads along. Starts a thread; the log files are in directory/log.
+  Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal);
+  ~Recorder();  // stop()
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// The goal was reached: the task's circles are done or the time is over. Recording has ended, in
+  /// lockstep at a simulated time that does not depend on the machine.
+  bool done() const { return done_.load(); }
+  /// Why recording ended early; empty while it goes on.
+  std::string failure() const;
+  Live live() const;
+
+  void stop();
+  // after stop():
+  const Series& series() const { return series_; }
+  std::string log_hash() const { return log_hash_; }
+  double real_time_factor() const { return real_time_factor_; }
+
+ private:
+  struct Topics;
+  void run() noexcept;
+  void record();
+  bool take_all(Topics& topics);  // true when the goal is reached
+
+  const wire::BusSettings settings_;
+  const std::filesystem::path directory_;
+  const Goal goal_;
+  Series series_;
+  std::string log_hash_;
+  double real_time_factor_ = kNone;
+
+  mutable std::mutex mutex_;  // of live_ and failure_
+  Live live_;
+  std::string failure_;
+  std::atomic<bool> done_{false}, stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace c3rt::cli

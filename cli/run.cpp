@@ -1,0 +1,164 @@
+#include "cli/run.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/recorder.hpp"
+#include "cli/report/pictures.hpp"
+#include "cli/report/report.hpp"
+#include "cli/table.hpp"
+#include "idl/process.hpp"
+#include "plant_emulator/errors.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr double kLongestSilence =
+    60.0;  // of the plant, while the others start or a tick is worked on [s]
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// How a run ended before its goal.
+struct Ending {
+  bool interrupted = false;
+  std::string failed;   // one line: the process and how it ended
+  std::string details;  // with the end of its log
+};
+
+/// Watches until the goal is reached or something ends the run.
+Ending watch(Supervisor& supervisor, const Recorder& recorder, LiveTable& table) {
+  Ending ending;
+  std::uint64_t last_steps = 0;
+  double heard_at = wall_time();
+  while (!recorder.done()) {
+    if (wire::StopFlag::requested()) {
+      ending.interrupted = true;
+      break;
+    }
+    if (const auto end = supervisor.poll()) {
+      ending.failed = end->name + " " + end->reason;
+      ending.details = failure_text(*end);
+      break;
+    }
+    if (const std::string failure = recorder.failure(); !failure.empty()) {
+      ending.failed = ending.details = "recorder: " + failure;
+      break;
+    }
+    const Live live = recorder.live();
+    if (live.steps != last_steps) {
+      last_steps = live.steps;
+      heard_at = wall_time();
+    } else if (wall_time() - heard_at > kLongestSilence) {
+      ending.failed = ending.details =
+          fmt::format("plant: nothing was heard for {:.0f} s", kLongestSilence);
+      break;
+    }
+    table.update(live);
+    std::this_thread::sleep_for(kLook);
+  }
+  table.finish(recorder.live());
+  return ending;
+}
+
+Spread spread_of(const wire::Quantiles& quantiles) {
+  if (quantiles.count == 0) return {};
+  return {quantiles.p50_s, quantiles.p95_s, quantiles.p99_s, quantiles.max_s};
+}
+
+ServiceFigures service_figures(const Live& live) {
+  ServiceFigures figures;
+  if (const auto& impedance = live.services[c3rt_v1_PROCESS_IMPEDANCE]) {
+    figures.impedance_wakeup = spread_of(impedance->wakeup_latency);
+    figures.impedance_compute = spread_of(impedance->compute);
+    figures.impedance_missed_cycles = counter(*impedance, "missed_cycles");
+    figures.stale_plan_events = counter(*impedance, "stale_plan_events");
+  }
+  return figures;
+}
+
+std::vector<std::string> reflex_names(std::uint64_t bits) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < plant::kErrorNames.size(); ++i) {
+    if ((bits >> i & 1U) != 0) names.emplace_back(plant::kErrorNames[i]);
+  }
+  return names;
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text;
+  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace
+
+int run(const LaunchSettings& settings) {
+  Launch launch(settings);
+  const config::Scenario& scenario = launch.scenario();
+  const Circle circle{scenario.task.circle.center, scenario.task.circle.radius,
+                      scenario.task.circle.lead > 0.0};
+  std::vector<Limit> limits;
+  for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
+
+  fmt::print("c3rt run {} ({}, seed {}): {}\n", scenario.name, settings.clock_name(), settings.seed,
+             scenario.description);
+  fmt::print("results in {}\n", launch.out().string());
+  std::fflush(stdout);
+
+  Supervisor supervisor;
+  Recorder recorder(launch.bus(), launch.out(),
+                    {circle, scenario.task.loops, scenario.task.duration_s});
+  LiveTable table(
+      fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
+      scenario.task.loops, scenario.task.duration_s);
+  launch.start(supervisor, true);
+  const Ending ending = watch(supervisor, recorder, table);
+  const Live live = recorder.live();
+  recorder.stop();
+  const std::vector<std::string> killed = supervisor.stop();
+  for (const std::string& name : killed)
+    fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
+
+  Report report;
+  report.scenario = scenario.name;
+  report.seed = settings.seed;
+  report.clock = settings.clock_name();
+  report.figures = evaluate(recorder.series(), circle, limits);
+  report.services = service_figures(live);
+  report.real_time_factor = recorder.real_time_factor();
+  report.reflexes = reflex_names(report.figures.error_bits);
+  report.log_hash = recorder.log_hash();
+  const bool met = all_met(report.figures.criteria);
+  if (!ending.failed.empty()) {
+    report.result = ending.failed;
+  } else if (ending.interrupted) {
+    report.result = "interrupted";
+  } else {
+    report.result = met ? "passed" : "criteria not met";
+  }
+  launch.lock().set_ended(report.result);
+  write(launch.out() / "report.json", to_json(report).dump(2) + "\n");
+  const std::string missing =
+      draw_pictures(launch.out(), recorder.series(), circle, report.figures,
+                    fmt::format("{} ({})", scenario.name, settings.clock_name()));
+
+  fmt::print("\n{}", summary(report));
+  if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
+  fmt::print("  {:<22}{}\n", "report and pictures", launch.out().string());
+  std::fflush(stdout);
+  if (!ending.failed.empty()) {
+    fmt::print(stderr, "c3rt: error: {}\n", ending.details);
+    return kProcessFailed;
+  }
+  return met && !ending.interrupted ? kDone : kCriterionFailed;
+}
+
+}  // namespace c3rt::cli

@@ -1,0 +1,169 @@
+#include "cli/service.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/fields.hpp"
+#include "cli/lock.hpp"
+#include "cli/paths.hpp"
+#include "cli/run.hpp"
+#include "cli/table.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr auto kStart = std::chrono::seconds(60);  // until every process must run
+constexpr auto kEnd = std::chrono::seconds(20);    // until the supervisor must have ended
+
+/// Starts this program again, detached from the terminal, with its words in a file.
+pid_t detach(const std::vector<std::string>& words, const std::filesystem::path& log) {
+  const std::string self = (binary_directory() / "c3rt").string();
+  std::vector<char*> arguments{const_cast<char*>(self.c_str())};
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  setsid();
+  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const int nothing = open("/dev/null", O_RDONLY);
+  if (output < 0 || nothing < 0 || dup2(nothing, 0) < 0 || dup2(output, 1) < 0 ||
+      dup2(output, 2) < 0)
+    _exit(126);
+  execv(self.c_str(), arguments.data());
+  _exit(127);
+}
+
+bool in_service(const std::optional<wire::ServiceStatus>& status) {
+  return status &&
+         (status->state == c3rt_v1_SERVICE_RUNNING || status->state == c3rt_v1_SERVICE_DEGRADED);
+}
+
+int count_in_service(const Services& services) {
+  return static_cast<int>(std::count_if(services.begin(), services.end(), in_service));
+}
+
+}  // namespace
+
+int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arguments) {
+  // a mistake is told here, not in the log of the detached supervisor; the lock is free again right
+  // after
+  { const Launch check(settings); }
+  const std::filesystem::path log =
+      runtime_directory() / fmt::format("supervisor-{}.log", settings.domain);
+  const pid_t pid = detach(serve_arguments, log);
+  if (pid < 0) throw ProcessFailure("cannot start the supervisor");
+  const auto deadline = steady_clock::now() + kStart;
+  const Seat seat{settings.domain, settings.dds_profile};
+  std::string missing = "the supervisor";
+  while (steady_clock::now() < deadline && !wire::StopFlag::requested()) {
+    int ended = 0;
+    if (waitpid(pid, &ended, WNOHANG) == pid) {
+      fmt::print(stderr, "{}", tail(log, 30));
+      return WIFEXITED(ended) && WEXITSTATUS(ended) != kDone ? WEXITSTATUS(ended) : kProcessFailed;
+    }
+    const auto instance = holder(runtime_directory(), settings.domain);
+    if (!instance || instance->pid != pid) {
+      std::this_thread::sleep_for(milliseconds(50));
+      continue;
+    }
+    wire::Bus bus(bus_settings(seat));
+    const Services services = listen(bus, 1.0);
+    if (count_in_service(services) == 4) {
+      fmt::print("{} is up (pid {}, domain {}, logs in {}/logs)\n{}", instance->scenario, pid,
+                 settings.domain, instance->out, service_table(services));
+      return kDone;
+    }
+    missing.clear();
+    for (int i = 0; i < wire::kProcessCount; ++i) {
+      if (i == c3rt_v1_PROCESS_RECORDER || in_service(services[static_cast<std::size_t>(i)]))
+        continue;
+      missing += (missing.empty() ? "" : ", ") +
+                 std::string(wire::process_name(static_cast<wire::Process>(i)));
+    }
+    std::this_thread::sleep_for(milliseconds(100));
+  }
+  kill(pid, SIGTERM);
+  waitpid(pid, nullptr, 0);
+  if (wire::StopFlag::requested()) return kCriterionFailed;
+  throw ProcessFailure("not running after " + std::to_string(kStart.count()) + " s: " + missing);
+}
+
+int serve(const LaunchSettings& settings) {
+  Launch launch(settings);
+  Supervisor supervisor;
+  launch.start(supervisor, false);
+  fmt::print("{} runs on domain {}\n", launch.scenario().name, settings.domain);
+  std::fflush(stdout);
+  std::optional<ChildExit> end;
+  while (!wire::StopFlag::requested() && !(end = supervisor.poll()))
+    std::this_thread::sleep_for(milliseconds(50));
+  for (const std::string& name : supervisor.stop()) {
+    fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
+  }
+  if (!end) {
+    launch.lock().set_ended("stopped");
+    return kDone;
+  }
+  launch.lock().set_ended(end->name + " " + end->reason);
+  throw ProcessFailure(failure_text(*end));
+}
+
+int down(const Seat& seat) {
+  const auto instance = holder(runtime_directory(), seat.domain);
+  if (!instance) {
+    fmt::print("nothing runs on domain {}\n", seat.domain);
+    return kDone;
+  }
+  if (kill(instance->pid, SIGTERM) != 0) {
+    throw ProcessFailure(fmt::format("cannot signal pid {} ({} {})", instance->pid, instance->verb,
+                                     instance->scenario));
+  }
+  const auto deadline = steady_clock::now() + kEnd;
+  while (holder(runtime_directory(), seat.domain)) {
+    if (steady_clock::now() >= deadline) {
+      throw ProcessFailure(fmt::format("pid {} ({} {}) has not ended within {} s", instance->pid,
+                                       instance->verb, instance->scenario, kEnd.count()));
+    }
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+  fmt::print("{} {} (pid {}) has ended\n", instance->verb, instance->scenario, instance->pid);
+  return kDone;
+}
+
+int status(const Seat& seat) {
+  const auto instance = holder(runtime_directory(), seat.domain);
+  wire::Bus bus(bus_settings(seat));
+  const Services services = listen(bus, 1.5);
+  const bool any =
+      std::any_of(services.begin(), services.end(), [](const auto& s) { return s.has_value(); });
+  if (instance) {
+    fmt::print("domain {}: c3rt {} {} ({}, pid {}, since {}), results in {}\n", seat.domain,
+               instance->verb, instance->scenario, instance->clock, instance->pid,
+               instance->started, instance->out);
+  } else if (!any) {
+    fmt::print("domain {}: nothing runs", seat.domain);
+    const auto last = last_instance(runtime_directory(), seat.domain);
+    if (last && !last->ended.empty())
+      fmt::print("; the last, c3rt {} {}: {}", last->verb, last->scenario, last->ended);
+    fmt::print("\n");
+    return kCriterionFailed;
+  }
+  fmt::print("{}", service_table(services));
+  for (const wire::PeerProblem& problem : bus.problems())
+    fmt::print("  problem: {}\n", problem.text);
+  return count_in_service(services) == 4 ? kDone : kProcessFailed;
+}
+
+}  // namespace c3rt::cli

@@ -1,0 +1,126 @@
+#include "cli/table.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "cli/fields.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+constexpr double kTerminalPeriod = 0.5, kLinePeriod = 5.0;  // [s]
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string shown(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
+}
+
+struct Planning {
+  std::string phase = "-", status = "-", solve = "-";
+};
+
+Planning planning(const Live& live) {
+  if (!live.plan) return {};
+  return {
+      name_of(live.plan->phase), name_of(live.plan->status),
+      live.plan->solve_time_s > 0.0 ? fmt::format("{:.2f}", live.plan->solve_time_s * 1e3) : "-"};
+}
+
+}  // namespace
+
+std::uint64_t counter(const wire::ServiceStatus& status, const char* name) {
+  for (int i = 0; i < c3rt_v1_COUNTERS; ++i) {
+    if (std::strcmp(status.counter_names[i], name) == 0) return status.counters[i];
+  }
+  return 0;
+}
+
+std::string service_table(
+    const std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount>& services) {
+  std::string text =
+      fmt::format("  {:<10} {:<9} {:>8} {:>9} {:>13} {:>13} {:>7}  {}\n", "process", "state", "pid",
+                  "rate Hz", "wake p99 ms", "step p99 ms", "missed", "says");
+  for (int i = 0; i < wire::kProcessCount; ++i) {
+    const auto process = static_cast<wire::Process>(i);
+    if (process == c3rt_v1_PROCESS_RECORDER) continue;
+    const auto& status = services[static_cast<std::size_t>(i)];
+    if (!status) {
+      text += fmt::format("  {:<10} {:<9}\n", wire::process_name(process), "silent");
+      continue;
+    }
+    text +=
+        fmt::format("  {:<10} {:<9} {:>8} {:>9.1f} {:>13.3f} {:>13.3f} {:>7}  {}\n",
+                    wire::process_name(process), name_of(status->state), status->pid,
+                    status->rate_hz, status->wakeup_latency.p99_s * 1e3,
+                    status->compute.p99_s * 1e3, counter(*status, "missed_cycles"), status->text);
+  }
+  return text;
+}
+
+LiveTable::LiveTable(const std::string& title, int loops, double duration)
+    : title_(title), loops_(loops), duration_(duration), terminal_(isatty(STDOUT_FILENO) == 1) {}
+
+void LiveTable::update(const Live& live) {
+  if (wall_time() - drawn_at_ >= (terminal_ ? kTerminalPeriod : kLinePeriod)) draw(live);
+}
+
+void LiveTable::finish(const Live& live) { draw(live); }
+
+void LiveTable::draw(const Live& live) {
+  const double now = wall_time();
+  if (drawn_at_ > 0.0 && live.steps > drawn_steps_ && drawn_steps_ > 0) {
+    factor_ = static_cast<double>(live.steps - drawn_steps_) * 1e-3 / (now - drawn_at_);
+  }
+  drawn_at_ = now;
+  drawn_steps_ = live.steps;
+
+  const Planning plan = planning(live);
+  const std::string error = shown(live.ball_error * 1e3, 1);
+  std::string text;
+  if (terminal_) {
+    text = fmt::format("{}\n", title_);
+    text += fmt::format("  time {:>7.1f} s of {:g}   x {} real time\n", live.time, duration_,
+                        shown(factor_, 2));
+    text += fmt::format(
+        "  circles {:>6.2f} of {}   ball {:>5} mm from the path   phase {:<8}  plan {:<9}  solve "
+        "{} ms\n",
+        live.turns, loops_, error, plan.phase, plan.status, plan.solve);
+    text += service_table(live.services);
+    const auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+    std::string screen = lines_ > 0 ? fmt::format("\x1b[{}A", lines_) : "";
+    for (const char c : text) {
+      if (c == '\n') screen += "\x1b[K";  // what the last drawing left at the end of the line
+      screen += c;
+    }
+    lines_ = lines;
+    text = screen;
+  } else {
+    std::string rates;
+    std::uint64_t missed = 0;
+    for (int i = 0; i < wire::kProcessCount; ++i) {
+      const auto& status = live.services[static_cast<std::size_t>(i)];
+      if (!status) continue;
+      rates += fmt::format(" {} {:.0f}", wire::process_name(static_cast<wire::Process>(i)),
+                           status->rate_hz);
+      missed += counter(*status, "missed_cycles");
+    }
+    text = fmt::format(
+        "[{:7.1f} s] circles {:.2f}  ball {} mm  {}  plan {}  solve {} ms |{} Hz | missed {} | x "
+        "{}\n",
+        live.time, live.turns, error, plan.phase, plan.status, plan.solve, rates, missed,
+        shown(factor_, 2));
+  }
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace c3rt::cli

@@ -1,0 +1,204 @@
+// The command as a person meets it: the installed program, with small shells in the place of the
+// four processes.
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/lock.hpp"
+#include "tests/cli/folder.hpp"
+
+namespace {
+
+using namespace c3rt::cli;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+constexpr int kDomain = 97;
+
+struct Outcome {
+  int status;
+  std::string output;  // standard output and error
+};
+
+/// A place of its own: locks, results and the four "processes".
+class Place {
+ public:
+  Place() {
+    fs::create_directories(folder_.path() / "run" / "c3rt");
+    fs::create_directories(folder_.path() / "bin");
+    for (const char* name : {"plant", "impedance", "planner", "vision"})
+      process(name, "exec sleep 300");
+  }
+  /// Puts a shell script in the place of c3rt-NAME; it leaves its pid behind.
+  void process(const std::string& name, const std::string& script) const {
+    const fs::path file = folder_.path() / "bin" / ("c3rt-" + name);
+    std::ofstream(file) << "#!/bin/bash\necho $$ > " << pid_file(name).string() << "\n"
+                        << script << "\n";
+    fs::permissions(file, fs::perms::owner_all);
+  }
+  std::string command(const std::string& arguments) const {
+    return "XDG_RUNTIME_DIR='" + (folder_.path() / "run").string() + "' C3RT_PROCESS_DIRECTORY='" +
+           (folder_.path() / "bin").string() + "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " +
+           arguments;
+  }
+  Outcome c3rt(const std::string& arguments) const {
+    FILE* pipe = popen(("exec 2>&1; " + command(arguments)).c_str(), "r");
+    Outcome outcome{};
+    char buffer[4096];
+    while (std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe))
+      outcome.output.append(buffer, count);
+    const int status = pclose(pipe);
+    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return outcome;
+  }
+  std::string start_options() const {
+    return " --domain " + std::to_string(kDomain) + " --out '" + (folder_.path() / "out").string() +
+           "'";
+  }
+  fs::path locks() const { return folder_.path() / "run" / "c3rt"; }
+  fs::path out() const { return folder_.path() / "out"; }
+  fs::path pid_file(const std::string& name) const { return folder_.path() / (name + ".pid"); }
+  bool started(const std::string& name) const {
+    std::error_code error;
+    return fs::file_size(pid_file(name), error) > 0 && !error;
+  }
+  /// No process of this place is running.
+  bool empty() const {
+    for (const char* name : {"plant", "impedance", "planner", "vision"}) {
+      pid_t pid = 0;
+      if (std::ifstream(pid_file(name)) >> pid && kill(pid, 0) == 0) return false;
+    }
+    return true;
+  }
+
+ private:
+  Folder folder_;
+};
+
+template <typename Condition>
+bool eventually(Condition condition) {
+  for (int i = 0; i < 2000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("an unknown scenario is a usage error that lists the known ones") {
+  const Outcome outcome = Place().c3rt("run no_such_scenario");
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output,
+             Contains("unknown scenario \"no_such_scenario\"") && Contains("circle_slow"));
+}
+
+TEST_CASE("an override of a key that does not exist is a usage error that names the key") {
+  const Outcome outcome = Place().c3rt("run circle_slow --set planner.no_such_key=1");
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("planner.no_such_key"));
+}
+
+TEST_CASE("an override out of range is a usage error that says what was expected") {
+  const Outcome outcome = Place().c3rt("run circle_slow --set planner.rate_hz=-3");
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("planner.rate_hz") && Contains("expected"));
+}
+
+TEST_CASE("a word that is no command, and no word at all, are usage errors") {
+  CHECK(Place().c3rt("frobnicate").status == 2);
+  CHECK(Place().c3rt("").status == 2);
+}
+
+TEST_CASE("help and version succeed") {
+  const Outcome help = Place().c3rt("--help");
+  CHECK(help.status == 0);
+  CHECK_THAT(help.output, Contains("Examples:") && Contains("Exit status"));
+  CHECK(Place().c3rt("--version").status == 0);
+  CHECK(Place().c3rt("run --help").status == 0);
+}
+
+TEST_CASE("a second instance on a busy domain is refused and told who holds it") {
+  const Place place;
+  Instance other;
+  other.pid = getpid();
+  other.verb = "up";
+  other.scenario = "circle_fast";
+  const DomainLock lock(place.locks(), kDomain, other);
+  const Outcome outcome = place.c3rt("run circle_slow" + place.start_options());
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("domain 97 is busy") && Contains("c3rt up circle_fast"));
+  CHECK_FALSE(place.started("plant"));
+}
+
+TEST_CASE("a missing program is a usage error") {
+  const Place place;
+  fs::remove(place.pid_file("vision").parent_path() / "bin" / "c3rt-vision");
+  const Outcome outcome = place.c3rt("run circle_slow" + place.start_options());
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("c3rt-vision"));
+}
+
+TEST_CASE(
+    "a process that crashes in a run is named with the end of its log, and nothing is left "
+    "behind") {
+  const Place place;
+  place.process("planner", "echo 'the matrix is not finite'; kill -SEGV $$");
+  const Outcome outcome = place.c3rt("run circle_slow" + place.start_options());
+  CHECK(outcome.status == 3);
+  CHECK_THAT(outcome.output,
+             Contains("planner was killed by signal 11") && Contains("the matrix is not finite"));
+  CHECK(place.empty());
+  CHECK(fs::exists(place.out() / "report.json"));  // also a run that failed is reported
+}
+
+TEST_CASE("SIGTERM ends a run, and nothing is left behind") {
+  const Place place;
+  const std::string command =
+      "exec env " + place.command("run circle_slow" + place.start_options());
+  const pid_t pid = fork();
+  if (pid == 0) {
+    execl("/bin/bash", "bash", "-c", (command + " >/dev/null 2>&1").c_str(), nullptr);
+    _exit(127);
+  }
+  REQUIRE(eventually([&] { return place.started("vision"); }));
+  kill(pid, SIGTERM);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(place.empty());
+  CHECK_FALSE(holder(place.locks(), kDomain).has_value());
+}
+
+TEST_CASE("a process that crashes while the service comes up is named") {
+  const Place place;
+  place.process("impedance", "echo 'no model'; exit 2");
+  const Outcome outcome = place.c3rt("up circle_slow" + place.start_options());
+  CHECK(outcome.status == 3);
+  CHECK_THAT(outcome.output, Contains("impedance exited with status 2") && Contains("no model"));
+  CHECK(place.empty());
+}
+
+TEST_CASE("down where nothing runs succeeds, status says that nothing runs") {
+  const Place place;
+  CHECK(place.c3rt("down --domain 97").status == 0);
+  const Outcome outcome = place.c3rt("status --domain 97");
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.output, Contains("nothing runs"));
+}
+
+TEST_CASE("an unknown topic is a usage error that lists the known ones") {
+  const Outcome outcome = Place().c3rt("echo ball/velocity --domain 97");
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("ball/estimate"));
+}

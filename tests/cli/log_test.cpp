@@ -1,0 +1,114 @@
+#include "cli/log.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <catch2/catch.hpp>
+
+#include "tests/cli/folder.hpp"
+
+namespace {
+
+using namespace c3rt;
+using namespace c3rt::cli;
+
+wire::Plan plan() {
+  wire::Plan sample{};
+  sample.header = {7, 3, 1'000'000};
+  sample.N = 2;
+  sample.n_x = 19;
+  sample.n_lambda = 12;
+  sample.n_u = 3;
+  sample.x[1][18] = 0.5;
+  sample.solve_time_s = 0.001;
+  return sample;
+}
+
+std::uint64_t hash_of(const wire::Plan& sample) {
+  HashVisitor visitor;
+  visitor.header(sample.header);
+  visit_fields(sample, visitor);
+  return visitor.value();
+}
+
+}  // namespace
+
+TEST_CASE("the hash sees every value that counts, the predicted horizon included") {
+  const std::uint64_t reference = hash_of(plan());
+  wire::Plan changed = plan();
+  changed.x[1][18] = std::nextafter(0.5, 1.0);  // one bit
+  REQUIRE(hash_of(changed) != reference);
+  changed = plan();
+  changed.header.time_ns += 1;
+  REQUIRE(hash_of(changed) != reference);
+  changed = plan();
+  changed.phase = c3rt_v1_PHASE_RETURN;
+  REQUIRE(hash_of(changed) != reference);
+}
+
+TEST_CASE("the hash does not see the session, what the machine measured, or what is not used") {
+  const std::uint64_t reference = hash_of(plan());
+  wire::Plan changed = plan();
+  changed.header.session_id = 99;
+  changed.solve_time_s = 0.7;
+  changed.x[2][0] = 1.0;   // beyond the horizon
+  changed.x[0][19] = 1.0;  // beyond the state
+  REQUIRE(hash_of(changed) == reference);
+}
+
+TEST_CASE("the hash does not see the padding between the fields") {
+  wire::RobotState zeros, ones;
+  std::memset(&zeros, 0x00, sizeof zeros);
+  std::memset(&ones, 0xff, sizeof ones);
+  zeros = wire::RobotState{};
+  const auto copy_fields = [](wire::RobotState& target) {
+    target.robot = 0;
+    target.header = {};
+    for (double* values : {target.q_rad, target.dq_rad_per_s, target.tau_nm})
+      std::fill(values, values + 7, 0.0);
+    std::fill(target.p_WE_m, target.p_WE_m + 3, 0.0);
+    std::fill(target.q_WE, target.q_WE + 4, 0.0);
+    target.mode = c3rt_v1_ROBOT_IDLE;
+    target.errors = 0;
+    target.command_success_rate = 0.0;
+    target.command_seq = 0;
+    target.command_state_ns = 0;
+  };
+  copy_fields(zeros);
+  copy_fields(ones);
+  HashVisitor a, b;
+  visit_fields(zeros, a);
+  visit_fields(ones, b);
+  REQUIRE(a.value() == b.value());
+}
+
+TEST_CASE("the log of a topic is a table with as many names as numbers") {
+  const Folder folder;
+  {
+    TopicLog<wire::BallEstimate> log(folder.path());
+    wire::BallEstimate sample{};
+    sample.header = {7, 12, 34'000'000};
+    sample.p_WB_m[1] = 0.125;
+    log.add(sample);
+  }
+  std::ifstream file(folder.path() / "ball_estimate.csv");
+  std::string names, numbers;
+  REQUIRE(std::getline(file, names));
+  REQUIRE(std::getline(file, numbers));
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> all;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
+    return all;
+  };
+  const auto head = cells(names), row = cells(numbers);
+  REQUIRE(head.size() == row.size());
+  const auto value = [&](const std::string& name) {
+    const auto at = std::find(head.begin(), head.end(), name);
+    REQUIRE(at != head.end());
+    return row[static_cast<std::size_t>(at - head.begin())];
+  };
+  REQUIRE(value("time_ns") == "34000000");
+  REQUIRE(value("seq") == "12");
+  REQUIRE(value("p_WB_m_1") == "0.125");
+}
