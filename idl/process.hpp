@@ -1,5 +1,6 @@
 #pragma once
 // What every process does the same way: its clock, its status, its share of faults and requests.
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -17,30 +18,33 @@ namespace c3rt::wire {
 /// A new session id: larger than every one drawn before on this machine. Only the plant draws.
 std::uint64_t draw_session() noexcept;
 
-/// Paces a process. The same loop runs in realtime (absolute deadlines on CLOCK_MONOTONIC) and in lockstep
-/// (simulated time over sim/tick and sim/done):
+/// Paces a process. The same loop runs in realtime (absolute deadlines on CLOCK_MONOTONIC) and in
+/// lockstep (simulated time over sim/tick and sim/done):
 ///
 ///   while (loop.wait(now_ns)) { take inputs; step; write outputs; }
 ///
-/// In lockstep, wait() first answers the previous tick with Done (so everything written before counts as written in
-/// it), then blocks until a tick names this process and until every reader holds the samples that the tick promises.
-/// Make the readers before the first wait(): it joins the run. REQUEST_SHUTDOWN is obeyed and answered here.
+/// In lockstep, wait() first answers the previous tick with Done (so everything written before
+/// counts as written in it), then blocks until a tick names this process and until every reader
+/// holds the samples that the tick promises. Make the readers before the first wait(): it joins the
+/// run. REQUEST_SHUTDOWN is obeyed and answered here.
 class Loop {
  public:
   struct Settings {
     Process process;
     std::int64_t period_ns;
-    std::int64_t phase_ns = 0;                       // lockstep: acts at ticks >= phase + k * period
-    std::int64_t join_timeout_ns = 60'000'000'000;   // lockstep: until the first tick
-    std::int64_t gone_timeout_ns = 10'000'000'000;   // lockstep: the plant has died, or no tick for six times this
-    rt::Statistics* wakeup_latency = nullptr;        // realtime: also added here (the StatusReporter's)
+    std::int64_t phase_ns = 0;                      // lockstep: acts at ticks >= phase + k * period
+    std::int64_t join_timeout_ns = 60'000'000'000;  // lockstep: until the first tick
+    std::int64_t gone_timeout_ns =
+        10'000'000'000;  // lockstep: the plant has died, or no tick for six times this
+    rt::Statistics* wakeup_latency = nullptr;  // realtime: also added here (the StatusReporter's)
   };
   Loop(Bus& bus, const Settings& settings);
   ~Loop();
-  /// @return false when a stop was requested (signal or REQUEST_SHUTDOWN) or, in lockstep, when the plant is gone.
-  /// RT (realtime): no heap, no lock, no throw.
+  /// @return false when a stop was requested (signal or REQUEST_SHUTDOWN) or, in lockstep, when the
+  /// plant is gone. RT (realtime): no heap, no lock, no throw.
   bool wait(std::int64_t& now_ns);
-  /// Why wait() returned false: empty for a requested stop, else a sentence ("no tick from the plant for 10 s").
+  /// Why wait() returned false: empty for a requested stop, else a sentence ("no tick from the
+  /// plant for 10 s").
   const std::string& failure() const;
   std::uint64_t missed_cycles() const noexcept;           // realtime: periods skipped
   const rt::Statistics& wakeup_latency() const noexcept;  // realtime [s]
@@ -53,15 +57,16 @@ class Loop {
 /// The plant's side of lockstep: publishes ticks and waits for those that are due.
 class LockstepMaster {
  public:
-  /// Blocks until each expected process has joined. @throws WireError naming those missing after timeout_ns.
-  /// After a stop request it returns at once, and advance() does nothing.
-  /// Make the plant's readers before, and write nothing before: the constructor is the start of the run.
-  /// @param answer_timeout_ns how long one tick may take; a process that has died is noticed after a third of it
+  /// Blocks until each expected process has joined. @throws WireError naming those missing after
+  /// timeout_ns. After a stop request it returns at once, and advance() does nothing. Make the
+  /// plant's readers before, and write nothing before: the constructor is the start of the run.
+  /// @param answer_timeout_ns how long one tick may take; a process that has died is noticed after
+  /// a third of it
   LockstepMaster(Bus& bus, const std::vector<Process>& expected, std::int64_t timeout_ns,
                  std::int64_t answer_timeout_ns = 30'000'000'000);
   ~LockstepMaster();
-  /// Announces now_ns (after the state of now_ns was written), waits for every process that is due, and then for
-  /// what they wrote: the plant's readers hold it when this returns.
+  /// Announces now_ns (after the state of now_ns was written), waits for every process that is due,
+  /// and then for what they wrote: the plant's readers hold it when this returns.
   /// @return false after a stop request, or when a process did not answer (see failure()).
   bool advance(std::int64_t now_ns);
   const std::string& failure() const;
@@ -97,15 +102,17 @@ class StopFlag {
   static void clear() noexcept;  // for a second run in one process
 };
 
-/// Gives the calling helper thread a name (at most 15 letters) and the ordinary scheduler, whatever its parent has.
+/// Gives the calling helper thread a name (at most 15 letters) and the ordinary scheduler, whatever
+/// its parent has.
 void become_helper_thread(const char* name) noexcept;
 
-/// Gives the calling thread, one that carries samples, a name and SCHED_FIFO below the servo threads where that is
-/// allowed: behind a busy core's ordinary threads a command would come too late however punctual the servo is.
+/// Gives the calling thread, one that carries samples, a name and SCHED_FIFO below the servo
+/// threads where that is allowed: behind a busy core's ordinary threads a command would come too
+/// late however punctual the servo is.
 void become_bus_thread(const char* name) noexcept;
 
-/// DDS -> servo thread. Realtime: a helper thread takes, the servo thread gets the newest, wait-free.
-/// Lockstep: no thread; the samples that the tick promised are taken directly.
+/// DDS -> servo thread. Realtime: a helper thread takes, the servo thread gets the newest,
+/// wait-free. Lockstep: no thread; the samples that the tick promised are taken directly.
 template <typename T>
 class Inlet {
  public:
@@ -124,12 +131,28 @@ class Inlet {
   Inlet(const Inlet&) = delete;
   Inlet& operator=(const Inlet&) = delete;
 
-  /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of an older session.
-  /// RT (realtime): no heap, no lock, no throw.
+  /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of an
+  /// older session. RT (realtime): no heap, no lock, no throw.
   bool take(T& out) noexcept { return realtime_ ? take_latest(out) : reader_.take_newest(out); }
-  /// The same, but in lockstep only samples whose time has come: header.time_ns <= now_ns.
+  /// The same, but only samples whose time has come: header.time_ns <= now_ns. Those that are early wait here.
+  /// RT (realtime): no heap, no lock, no throw.
   bool take(std::int64_t now_ns, T& out) noexcept {
-    return realtime_ ? take_latest(out) : reader_.take_effective(now_ns, out);
+    if (!realtime_) return reader_.take_effective(now_ns, out);
+    if (take_latest(early_[next_early_])) next_early_ = (next_early_ + 1) % kEarly;
+    T* newest = nullptr;
+    for (T& sample : early_) {
+      const bool current = sample.header.session_id == 0 || sample.header.session_id == bus_.session_id();
+      if (!current) sample.header.seq = 0;
+      const bool due = sample.header.seq != 0 && sample.header.time_ns <= now_ns;
+      if (due && (newest == nullptr || sample.header.seq > newest->header.seq)) newest = &sample;
+    }
+    if (newest == nullptr) return false;
+    out = *newest;
+    // what is older than the newest that is due will never be wanted
+    for (T& sample : early_) {
+      if (sample.header.seq <= out.header.seq) sample.header.seq = 0;
+    }
+    return true;
   }
   ReaderCounters counters() const noexcept { return reader_.counters(); }
 
@@ -153,6 +176,9 @@ class Inlet {
   const bool realtime_;
   rt::Latest<T> latest_;
   T arrived_{}, taken_{};  // of the helper thread, of the servo thread
+  static constexpr std::size_t kEarly = 4;
+  std::array<T, kEarly> early_{};  // of the servo thread: taken before their time; seq 0 = free
+  std::size_t next_early_ = 0;
   std::atomic<bool> stop_{false};
   Reader<T> reader_;
   std::thread thread_;
@@ -165,15 +191,16 @@ class Signal {
   ~Signal();
   Signal(const Signal&) = delete;
   Signal& operator=(const Signal&) = delete;
-  void raise() noexcept;                          // RT: no heap, no lock, no throw
-  void wait(std::int64_t timeout_ns) noexcept;    // returns when raised since the last wait, or after the time
+  void raise() noexcept;  // RT: no heap, no lock, no throw
+  void wait(std::int64_t
+                timeout_ns) noexcept;  // returns when raised since the last wait, or after the time
 
  private:
   int event_;
 };
 
-/// Servo thread -> DDS. Realtime: put() is wait-free; a helper thread writes, and never skips the newest.
-/// Lockstep: put() writes.
+/// Servo thread -> DDS. Realtime: put() is wait-free; a helper thread writes, and never skips the
+/// newest. Lockstep: put() writes.
 template <typename T>
 class Outlet {
  public:
@@ -189,8 +216,8 @@ class Outlet {
   Outlet(const Outlet&) = delete;
   Outlet& operator=(const Outlet&) = delete;
 
-  /// Hands the sample over; the helper writes it with this time_ns (time of handing over; in lockstep: of effect).
-  /// RT (realtime): no heap, no lock, no throw.
+  /// Hands the sample over; the helper writes it with this time_ns (time of handing over; in
+  /// lockstep: of effect). RT (realtime): no heap, no lock, no throw.
   void put(const T& sample, std::int64_t time_ns) noexcept {
     handed_.sample = sample;
     handed_.time_ns = time_ns;

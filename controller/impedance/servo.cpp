@@ -12,24 +12,35 @@ namespace {
 constexpr double kSecondsPerNs = 1e-9;
 constexpr std::int64_t kEndFault = -1;
 
-Eigen::Vector3d to_vector(const double (&v)[3]) noexcept { return Eigen::Vector3d(v[0], v[1], v[2]); }
-void from_vector(const Eigen::Vector3d& v, double (&out)[3]) noexcept { Eigen::Map<Eigen::Vector3d>{out} = v; }
+Eigen::Vector3d to_vector(const double (&v)[3]) noexcept {
+  return Eigen::Vector3d(v[0], v[1], v[2]);
+}
+void from_vector(const Eigen::Vector3d& v, double (&out)[3]) noexcept {
+  Eigen::Map<Eigen::Vector3d>{out} = v;
+}
 
 PlanStatus status_of(c3rt_v1_PlanStatus status) noexcept {
   switch (status) {
-    case c3rt_v1_PLAN_OK: return PlanStatus::kOk;
-    case c3rt_v1_PLAN_TRUNCATED: return PlanStatus::kTruncated;
-    case c3rt_v1_PLAN_FALLBACK: return PlanStatus::kFallback;
+    case c3rt_v1_PLAN_OK:
+      return PlanStatus::kOk;
+    case c3rt_v1_PLAN_TRUNCATED:
+      return PlanStatus::kTruncated;
+    case c3rt_v1_PLAN_FALLBACK:
+      return PlanStatus::kFallback;
   }
   return PlanStatus::kUnknown;
 }
 
 c3rt_v1_ImpedanceMode to_wire(Mode mode) noexcept {
   switch (mode) {
-    case Mode::kWait: return c3rt_v1_IMPEDANCE_WAIT;
-    case Mode::kHold: return c3rt_v1_IMPEDANCE_HOLD;
-    case Mode::kTrack: return c3rt_v1_IMPEDANCE_TRACK;
-    case Mode::kStop: break;
+    case Mode::kWait:
+      return c3rt_v1_IMPEDANCE_WAIT;
+    case Mode::kHold:
+      return c3rt_v1_IMPEDANCE_HOLD;
+    case Mode::kTrack:
+      return c3rt_v1_IMPEDANCE_TRACK;
+    case Mode::kStop:
+      break;
   }
   return c3rt_v1_IMPEDANCE_STOP;
 }
@@ -58,7 +69,8 @@ void unpack(const wire::Plan& plan, Input& input) noexcept {
 }
 
 /// Takes a fault's duration, if one was injected, and gives the time until which it lasts.
-void begin(std::atomic<std::int64_t>& duration_ns, std::int64_t now_ns, std::int64_t& until_ns) noexcept {
+void begin(std::atomic<std::int64_t>& duration_ns, std::int64_t now_ns,
+           std::int64_t& until_ns) noexcept {
   const std::int64_t duration = duration_ns.exchange(0);
   if (duration != 0) until_ns = now_ns + duration;
 }
@@ -84,7 +96,7 @@ void Servo::cycle(std::int64_t now_ns) noexcept {
   if (now_ns < stall_until_ns_) return;
 
   const std::int64_t begin_ns = rt::now_ns();
-  take_samples(now_ns);
+  take_samples(realtime_ ? begin_ns : now_ns);
   input_.now_ns = realtime_ ? rt::now_ns() : now_ns;
   input_.stop = stop_.exchange(false);
   input_.recover = recover_.exchange(false);
