@@ -6,10 +6,9 @@
 #include <map>
 #include <mutex>
 
+#include <dds/dds.h>
 #include <pthread.h>
 #include <sched.h>
-
-#include <dds/dds.h>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/peers.hpp"
@@ -26,7 +25,8 @@ Entity created(dds_entity_t handle, const std::string& what) {
   return Entity(handle);
 }
 
-/// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on it.
+/// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on
+/// it.
 class Domain {
  public:
   Domain(std::uint32_t id, const std::string& profile) : id_(id), configured_(!profile.empty()) {
@@ -42,7 +42,8 @@ class Domain {
       if (shared.handle < 0 && shared.handle != DDS_RETCODE_PRECONDITION_NOT_MET) {
         const std::string reason = dds_strretcode(shared.handle);
         domains().erase(id_);
-        throw WireError("DDS profile " + profile + " was refused for domain " + std::to_string(id_) + ": " + reason);
+        throw WireError("DDS profile " + profile + " was refused for domain " +
+                        std::to_string(id_) + ": " + reason);
       }
     }
     ++shared.users;
@@ -84,8 +85,12 @@ class Waiter {
         guard_(created(dds_create_guardcondition(participant), "the guard condition of " + owner)) {
     attach(guard_);
   }
-  void attach(const Entity& condition) { dds_waitset_attach(waitset_.handle(), condition.handle(), 0); }
-  void detach(const Entity& condition) { dds_waitset_detach(waitset_.handle(), condition.handle()); }
+  void attach(const Entity& condition) {
+    dds_waitset_attach(waitset_.handle(), condition.handle(), 0);
+  }
+  void detach(const Entity& condition) {
+    dds_waitset_detach(waitset_.handle(), condition.handle());
+  }
   void wait(std::int64_t timeout_ns) noexcept {
     dds_waitset_wait(waitset_.handle(), nullptr, 0, std::max<std::int64_t>(timeout_ns, 0));
     bool triggered = false;
@@ -147,9 +152,10 @@ struct Bus::Implementation {
   }
   void remove(std::int32_t handle) {
     const std::lock_guard lock(endpoints_mutex);
-    endpoints.erase(std::remove_if(endpoints.begin(), endpoints.end(),
-                                   [handle](const Endpoint& endpoint) { return endpoint.handle == handle; }),
-                    endpoints.end());
+    endpoints.erase(
+        std::remove_if(endpoints.begin(), endpoints.end(),
+                       [handle](const Endpoint& endpoint) { return endpoint.handle == handle; }),
+        endpoints.end());
   }
 
   BusSettings settings;
@@ -173,7 +179,9 @@ Bus::~Bus() = default;
 
 std::int32_t Bus::participant() const { return implementation_->participant.handle(); }
 ClockMode Bus::clock() const { return implementation_->settings.clock; }
-std::uint64_t Bus::session_id() const noexcept { return implementation_->session.load(std::memory_order_relaxed); }
+std::uint64_t Bus::session_id() const noexcept {
+  return implementation_->session.load(std::memory_order_relaxed);
+}
 
 void Bus::adopt_session(std::uint64_t id) noexcept {
   std::uint64_t known = implementation_->session.load();
@@ -183,7 +191,8 @@ void Bus::adopt_session(std::uint64_t id) noexcept {
 
 std::vector<PeerProblem> Bus::problems() const {
   const std::lock_guard lock(implementation_->endpoints_mutex);
-  if (implementation_->peers == nullptr) implementation_->peers = std::make_unique<Peers>(participant());
+  if (implementation_->peers == nullptr)
+    implementation_->peers = std::make_unique<Peers>(participant());
   return implementation_->peers->problems(implementation_->endpoints);
 }
 
@@ -228,8 +237,9 @@ void Bus::newest_written(Sequences& newest_seq) const noexcept {
 WriterBase::WriterBase(Bus& bus, const Topic& topic)
     : bus_(bus),
       topic_(topic),
-      topic_entity_(created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
-                            std::string("topic ") + topic.name)),
+      topic_entity_(created(
+          dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
+          std::string("topic ") + topic.name)),
       writer_(created(dds_create_writer(bus.participant(), topic_entity_.handle(),
                                         writer_qos(topic, bus.clock()).get(), nullptr),
                       std::string("the writer of ") + topic.name)) {
@@ -251,7 +261,8 @@ bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t t
   header.time_ns = time_ns;
   if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) return false;
   seq_.store(seq);
-  if (topic_.stream != Stream::kNone) bus_.implementation_->written[static_cast<int>(topic_.stream)].store(seq);
+  if (topic_.stream != Stream::kNone)
+    bus_.implementation_->written[static_cast<int>(topic_.stream)].store(seq);
   return true;
 }
 
@@ -276,7 +287,8 @@ struct ReaderBase::Implementation {
       if (source.session != session) source = {writer, session};
       return source;
     }
-    // more writers than places: the oldest place is reused, and that writer's next gap goes unnoticed
+    // more writers than places: the oldest place is reused, and that writer's next gap goes
+    // unnoticed
     Source& source = sources[next_source];
     next_source = (next_source + 1) % kSources;
     source = {writer, session};
@@ -298,7 +310,8 @@ struct ReaderBase::Implementation {
 };
 
 int ReaderBase::queue_depth(const Bus& bus, const Topic& topic, int depth) {
-  const bool lockstep = bus.clock() == ClockMode::kLockstep && topic.qos != Qos::kEvent && topic.qos != Qos::kStatus;
+  const bool lockstep =
+      bus.clock() == ClockMode::kLockstep && topic.qos != Qos::kEvent && topic.qos != Qos::kStatus;
   return lockstep ? std::max(depth, kLockstepDepth) : std::max(depth, 1);
 }
 
@@ -310,8 +323,9 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes)
   self.entries.resize(static_cast<std::size_t>(self.capacity));
   for (int i = 0; i < self.capacity; ++i) self.entries[static_cast<std::size_t>(i)].slot = i;
   const std::string name = topic.name;
-  self.topic = created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
-                       "topic " + name);
+  self.topic =
+      created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
+              "topic " + name);
   self.reader = created(dds_create_reader(bus.participant(), self.topic.handle(),
                                           reader_qos(topic, bus.clock(), kept).get(), nullptr),
                         "the reader of " + name);
@@ -342,7 +356,8 @@ ReaderBase::~ReaderBase() {
 
 ReaderCounters ReaderBase::counters() const noexcept {
   const Implementation& self = *implementation_;
-  return {self.received.load(), self.lost.load(), self.other_session.load(), self.out_of_order.load()};
+  return {self.received.load(), self.lost.load(), self.other_session.load(),
+          self.out_of_order.load()};
 }
 
 int ReaderBase::matched_writers() const {
@@ -374,7 +389,8 @@ bool ReaderBase::believe(std::uint64_t session) noexcept {
   const std::uint64_t ours = bus_.session_id();
   if (session == ours || session == 0) return true;
   if (session < ours) return false;
-  // only a plant draws sessions, so a newer one is a newer plant, whoever tells of it first; a client knows none
+  // only a plant draws sessions, so a newer one is a newer plant, whoever tells of it first; a
+  // client knows none
   if (topic_.qos == Qos::kEvent) return true;
   // who draws the session itself (the plant) adopts no other
   if (bus_.implementation_->settings.session_id != 0) return false;
@@ -406,7 +422,8 @@ int ReaderBase::pump() noexcept {
     entry.source = static_cast<int>(&source - self.sources.data());
     entry.session = header.session_id;
     entry.seq = header.seq;
-    source.first_arrived = source.arrived == 0 ? header.seq : std::min(source.first_arrived, header.seq);
+    source.first_arrived =
+        source.arrived == 0 ? header.seq : std::min(source.first_arrived, header.seq);
     source.last_arrived = std::max(source.last_arrived, header.seq);
     ++source.arrived;
     ++self.count;
@@ -430,7 +447,8 @@ int ReaderBase::pump() noexcept {
     // what a writer wrote before it was first heard is not lost
     const std::uint64_t expected =
         source.last_arrived - (source.newest == 0 ? source.first_arrived - 1 : source.newest);
-    if (expected > source.arrived) self.lost.fetch_add(expected - source.arrived, std::memory_order_relaxed);
+    if (expected > source.arrived)
+      self.lost.fetch_add(expected - source.arrived, std::memory_order_relaxed);
     source.newest = source.last_arrived;
     if (source.session == bus_.session_id() || source.session == 0) newest_seq_ = source.newest;
     source.arrived = 0;

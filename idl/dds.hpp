@@ -1,5 +1,6 @@
 #pragma once
-// The one layer over Cyclone DDS: participant, writer, reader. Only files of idl/ include <dds/...>.
+// The one layer over Cyclone DDS: participant, writer, reader. Only files of idl/ include
+// <dds/...>.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -22,13 +23,14 @@ enum class ClockMode { kRealtime, kLockstep };
 
 struct BusSettings {
   std::uint32_t domain = 0;
-  std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's CYCLONEDDS_URI
+  std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's
+                            // CYCLONEDDS_URI
   ClockMode clock = ClockMode::kRealtime;
   std::uint64_t session_id = 0;  // 0: adopt the newest that is heard
 };
 
-/// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every servo thread's.
-/// Where that is not allowed nothing changes.
+/// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every
+/// servo thread's. Where that is not allowed nothing changes.
 void raise_to_bus_priority() noexcept;
 
 /// Move-only owner of one DDS handle.
@@ -45,16 +47,19 @@ class Entity {
   std::int32_t handle_ = 0;
 };
 
-/// What this process saw go wrong between it and its peers: one sentence per topic and peer, never silent.
+/// What this process saw go wrong between it and its peers: one sentence per topic and peer, never
+/// silent.
 struct PeerProblem {
   std::string topic;
-  std::string text;  // "robot/state: reader of another process requests RELIABLE, this writer offers BEST_EFFORT"
+  std::string text;  // "robot/state: reader of another process requests RELIABLE, this writer
+                     // offers BEST_EFFORT"
 };
 
 class ReaderBase;
 class WriterBase;
 
-/// One DDS participant and the session that its samples belong to. Outlives its readers and writers.
+/// One DDS participant and the session that its samples belong to. Outlives its readers and
+/// writers.
 class Bus {
  public:
   /// @throws WireError if the profile is missing or refused, or the domain cannot be joined
@@ -67,24 +72,27 @@ class Bus {
   ClockMode clock() const;
   std::uint64_t session_id() const noexcept;      // 0 until the plant was heard
   void adopt_session(std::uint64_t id) noexcept;  // keeps the larger of both
-  /// Peers that discovery shows on our topics and that can never be served: incompatible QoS or types.
+  /// Peers that discovery shows on our topics and that can never be served: incompatible QoS or
+  /// types.
   std::vector<PeerProblem> problems() const;
 
-  // What follows pumps the readers of this bus (those made with Wakes::kBus): call it from the thread that takes
-  // from them. wake() may be called from any thread.
+  // What follows pumps the readers of this bus (those made with Wakes::kBus): call it from the
+  // thread that takes from them. wake() may be called from any thread.
 
-  /// Blocks until a new sample is there for any reader of this bus, `wake()` was called, or the time is over.
+  /// Blocks until a new sample is there for any reader of this bus, `wake()` was called, or the
+  /// time is over.
   void wait_for_data(std::int64_t timeout_ns);
   void wake() noexcept;
 
-  /// Lockstep: blocks until each reader of a stream in `newest_seq` holds that sequence number, and lets the readers
-  /// give out samples up to that number and no further: what a process sees at a tick does not depend on who was
-  /// faster within the tick.
+  /// Lockstep: blocks until each reader of a stream in `newest_seq` holds that sequence number, and
+  /// lets the readers give out samples up to that number and no further: what a process sees at a
+  /// tick does not depend on who was faster within the tick.
   /// @return false and the topic's name in `missing` after timeout_ns.
   bool wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::string& missing);
   /// Lockstep: from now on a reader of a stream gives out nothing that no wait_for() has promised.
   void hold_until_promised() noexcept;
-  /// Newest sequence numbers that the writers of this bus have written, by stream (for Done and Tick).
+  /// Newest sequence numbers that the writers of this bus have written, by stream (for Done and
+  /// Tick).
   void newest_written(Sequences& newest_seq) const noexcept;
 
  private:
@@ -111,15 +119,19 @@ class WriterBase {
   std::atomic<std::uint64_t> seq_{0};
 };
 
-/// Writes samples; fills in session, sequence and time. One thread per writer, and not the servo thread: Cyclone
-/// allocates in a write.
+/// Writes samples; fills in session, sequence and time. One thread per writer, and not the servo
+/// thread: Cyclone allocates in a write.
 template <typename T>
 class Writer : public WriterBase {
  public:
   explicit Writer(Bus& bus) : WriterBase(bus, topic<T>()) {}
-  /// @param time_ns when the sample takes effect (in lockstep: simulated, with the scenario's delays)
-  /// @return false if the sample was not sent (readers too slow for longer than the QoS allows); its number is reused
-  bool write(T& sample, std::int64_t time_ns) noexcept { return write_sample(sample.header, &sample, time_ns); }
+  /// @param time_ns when the sample takes effect (in lockstep: simulated, with the scenario's
+  /// delays)
+  /// @return false if the sample was not sent (readers too slow for longer than the QoS allows);
+  /// its number is reused
+  bool write(T& sample, std::int64_t time_ns) noexcept {
+    return write_sample(sample.header, &sample, time_ns);
+  }
 };
 
 struct ReaderCounters {
@@ -140,12 +152,14 @@ class ReaderBase {
   ReaderBase(const ReaderBase&) = delete;
   ReaderBase& operator=(const ReaderBase&) = delete;
 
-  ReaderCounters counters() const noexcept;   // from any thread
+  ReaderCounters counters() const noexcept;  // from any thread
   std::uint64_t newest_seq() const noexcept { return newest_seq_; }
-  int matched_writers() const;                // known, also when they have just died
-  int alive_writers() const;                  // matched and not silent for longer than their liveliness lease
-  std::uint64_t missed_deadlines() const;     // realtime topics with a deadline: periods without a sample
-  /// Wakes::kItself only: blocks until there is a new sample, interrupt() was called, or the time is over.
+  int matched_writers() const;  // known, also when they have just died
+  int alive_writers() const;    // matched and not silent for longer than their liveliness lease
+  std::uint64_t missed_deadlines()
+      const;  // realtime topics with a deadline: periods without a sample
+  /// Wakes::kItself only: blocks until there is a new sample, interrupt() was called, or the time
+  /// is over.
   void wait(std::int64_t timeout_ns);
   void interrupt() noexcept;
 
@@ -157,9 +171,10 @@ class ReaderBase {
   virtual void* sample_at(int slot) noexcept = 0;
   virtual Header& header_at(int slot) noexcept = 0;
 
-  /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the rules:
-  /// a newer session is adopted (not from clients' events), samples of an older one are dropped, session 0 is a
-  /// client's and always accepted; the sequence of one writer must grow. @return number of samples accepted. No heap beyond Cyclone's.
+  /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the
+  /// rules: a newer session is adopted (not from clients' events), samples of an older one are
+  /// dropped, session 0 is a client's and always accepted; the sequence of one writer must grow.
+  /// @return number of samples accepted. No heap beyond Cyclone's.
   int pump() noexcept;
   /// The slot of the oldest queued sample that may be given out; -1 if there is none.
   int front() noexcept;
@@ -184,7 +199,8 @@ template <typename T>
 class Reader : public ReaderBase {
  public:
   explicit Reader(Bus& bus, int depth = 64, Wakes wakes = Wakes::kBus)
-      : ReaderBase(bus, topic<T>(), depth, wakes), slots_(queue_depth(bus, topic<T>(), depth) + 1) {}
+      : ReaderBase(bus, topic<T>(), depth, wakes),
+        slots_(queue_depth(bus, topic<T>(), depth) + 1) {}
   ~Reader() override = default;
 
   /// Next sample in order; false, and `out` untouched, if there is none.
@@ -202,7 +218,8 @@ class Reader : public ReaderBase {
     while (take(out)) found = true;
     return found;
   }
-  /// Newest sample whose time has come: header.time_ns <= now_ns. Older ones are dropped, later ones stay.
+  /// Newest sample whose time has come: header.time_ns <= now_ns. Older ones are dropped, later
+  /// ones stay.
   bool take_effective(std::int64_t now_ns, T& out) noexcept {
     pump();
     bool found = false;

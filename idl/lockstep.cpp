@@ -73,8 +73,8 @@ struct Loop::Implementation {
       const std::int64_t real_ns = rt::now_ns();
       if (ticks->alive_writers() > 0) alive_ns = real_ns;
       if (joined && real_ns - alive_ns > settings.gone_timeout_ns) {
-        failure = "the plant has been gone for " + seconds(settings.gone_timeout_ns) + " (last tick " +
-                  seconds(tick_ns) + ")";
+        failure = "the plant has been gone for " + seconds(settings.gone_timeout_ns) +
+                  " (last tick " + seconds(tick_ns) + ")";
         return false;
       }
       const std::int64_t silence_ns =
@@ -99,8 +99,8 @@ struct Loop::Implementation {
     while (!bus.wait_for(tick.newest_seq, kSlice_ns, missing)) {
       if (StopFlag::requested()) return false;
       if (rt::now_ns() - begin_ns > settings.gone_timeout_ns) {
-        failure = "the tick of " + seconds(tick.header.time_ns) + " promises a sample of " + missing +
-                  " that did not arrive for " + seconds(settings.gone_timeout_ns);
+        failure = "the tick of " + seconds(tick.header.time_ns) + " promises a sample of " +
+                  missing + " that did not arrive for " + seconds(settings.gone_timeout_ns);
         return false;
       }
     }
@@ -122,7 +122,7 @@ struct Loop::Implementation {
   // lockstep
   std::unique_ptr<Reader<Tick>> ticks;
   std::unique_ptr<Writer<Done>> dones;
-  bool joined = false;  // a tick has named this process
+  bool joined = false;              // a tick has named this process
   std::int64_t tick_ns = kJoining;  // the one to be answered
   std::int64_t next_due_ns = 0;
 };
@@ -141,7 +141,11 @@ const rt::Statistics& Loop::wakeup_latency() const noexcept { return implementat
 
 struct LockstepMaster::Implementation {
   Implementation(Bus& b, std::int64_t answer_timeout)
-      : bus(b), answer_timeout_ns(answer_timeout), shutdown(b, c3rt_v1_PROCESS_PLANT), dones(b), ticks(b) {
+      : bus(b),
+        answer_timeout_ns(answer_timeout),
+        shutdown(b, c3rt_v1_PROCESS_PLANT),
+        dones(b),
+        ticks(b) {
     bus.hold_until_promised();
   }
 
@@ -159,7 +163,8 @@ struct LockstepMaster::Implementation {
       if (found == participants.end()) continue;
       Participant& participant = found->second;
       const bool joining = !participant.joined;
-      // a repeated join is older than the first tick, and an answer to an older tick was already counted
+      // a repeated join is older than the first tick, and an answer to an older tick was already
+      // counted
       if (!joining && (participant.answered || done.header.time_ns != now_ns)) continue;
       participant.joined = participant.answered = true;
       participant.next_due_ns = done.next_due_ns;
@@ -170,7 +175,8 @@ struct LockstepMaster::Implementation {
   std::string names(Predicate missing) const {
     std::string result;
     for (const auto& [process, participant] : participants) {
-      if (missing(participant)) result += (result.empty() ? "" : ", ") + std::string(process_name(process));
+      if (missing(participant))
+        result += (result.empty() ? "" : ", ") + std::string(process_name(process));
     }
     return result;
   }
@@ -185,19 +191,23 @@ struct LockstepMaster::Implementation {
   std::string failure;
 };
 
-LockstepMaster::LockstepMaster(Bus& bus, const std::vector<Process>& expected, std::int64_t timeout_ns,
-                               std::int64_t answer_timeout_ns)
+LockstepMaster::LockstepMaster(Bus& bus, const std::vector<Process>& expected,
+                               std::int64_t timeout_ns, std::int64_t answer_timeout_ns)
     : implementation_(std::make_unique<Implementation>(bus, answer_timeout_ns)) {
   Implementation& self = *implementation_;
   for (const Process process : expected) self.participants[process] = {};
-  const auto absent = [](const Implementation::Participant& participant) { return !participant.joined; };
+  const auto absent = [](const Implementation::Participant& participant) {
+    return !participant.joined;
+  };
   const std::int64_t deadline_ns = rt::now_ns() + timeout_ns;
   while (!StopFlag::requested()) {
     self.take_answers(kJoining);
     const std::string missing = self.names(absent);
     if (missing.empty()) return;
     const std::int64_t left_ns = deadline_ns - rt::now_ns();
-    if (left_ns <= 0) throw WireError("did not join the lockstep run within " + seconds(timeout_ns) + ": " + missing);
+    if (left_ns <= 0)
+      throw WireError("did not join the lockstep run within " + seconds(timeout_ns) + ": " +
+                      missing);
     bus.wait_for_data(std::min(left_ns, kSlice_ns));
   }
 }
@@ -220,7 +230,9 @@ bool LockstepMaster::advance(std::int64_t now_ns) {
     self.failure = "could not send the tick of " + seconds(now_ns);
     return false;
   }
-  const auto silent = [](const Implementation::Participant& participant) { return !participant.answered; };
+  const auto silent = [](const Implementation::Participant& participant) {
+    return !participant.answered;
+  };
   const int expected = static_cast<int>(self.participants.size());
   const std::int64_t begin_ns = rt::now_ns();
   std::int64_t complete_ns = begin_ns;
@@ -245,7 +257,8 @@ bool LockstepMaster::advance(std::int64_t now_ns) {
   // what was written in answer is the plant's input of the next step
   std::string topic;
   if (!self.bus.wait_for(self.newest, self.answer_timeout_ns, topic)) {
-    self.failure = "a sample of " + topic + " that was announced at " + seconds(now_ns) + " did not arrive";
+    self.failure =
+        "a sample of " + topic + " that was announced at " + seconds(now_ns) + " did not arrive";
     return false;
   }
   return true;

@@ -57,9 +57,11 @@ std::string property(const dds_qos_t* qos, const char* key) {
 std::vector<dds_instance_handle_t> matched(const Endpoint& endpoint) {
   std::vector<dds_instance_handle_t> handles(kMaxPeers);
   const dds_return_t count =
-      endpoint.is_writer ? dds_get_matched_subscriptions(endpoint.handle, handles.data(), handles.size())
-                         : dds_get_matched_publications(endpoint.handle, handles.data(), handles.size());
-  handles.resize(count > 0 ? std::min<std::size_t>(static_cast<std::size_t>(count), handles.size()) : 0);
+      endpoint.is_writer
+          ? dds_get_matched_subscriptions(endpoint.handle, handles.data(), handles.size())
+          : dds_get_matched_publications(endpoint.handle, handles.data(), handles.size());
+  handles.resize(count > 0 ? std::min<std::size_t>(static_cast<std::size_t>(count), handles.size())
+                           : 0);
   return handles;
 }
 
@@ -73,12 +75,13 @@ Peers::Peers(std::int32_t participant)
 
 std::string Peers::name_of(const dds_guid_t& participant) const {
   std::string name = "another process";
-  Loan<dds_builtintopic_participant_t>(participants_.handle()).each([&](const auto& peer, dds_instance_handle_t) {
-    if (std::memcmp(peer.key.v, participant.v, sizeof participant.v) != 0) return;
-    const std::string process = property(peer.qos, "__ProcessName");
-    const std::string pid = property(peer.qos, "__Pid");
-    if (!process.empty()) name = process + (pid.empty() ? "" : " (pid " + pid + ")");
-  });
+  Loan<dds_builtintopic_participant_t>(participants_.handle())
+      .each([&](const auto& peer, dds_instance_handle_t) {
+        if (std::memcmp(peer.key.v, participant.v, sizeof participant.v) != 0) return;
+        const std::string process = property(peer.qos, "__ProcessName");
+        const std::string pid = property(peer.qos, "__Pid");
+        if (!process.empty()) name = process + (pid.empty() ? "" : " (pid " + pid + ")");
+      });
   return name;
 }
 
@@ -94,9 +97,9 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
     const char* here = endpoint.is_writer ? "this writer" : "this reader";
     const char* there = endpoint.is_writer ? "reader" : "writer";
     const auto report = [&](const std::string& theirs, const std::string& mine) {
-      result.push_back({endpoint.topic->name, std::string(endpoint.topic->name) + ": " + there + " of " +
-                                                  name_of(peer.participant_key) + " " + theirs + ", " + here + " " +
-                                                  mine});
+      result.push_back({endpoint.topic->name, std::string(endpoint.topic->name) + ": " + there +
+                                                  " of " + name_of(peer.participant_key) + " " +
+                                                  theirs + ", " + here + " " + mine});
     };
     const char* type = endpoint.topic->descriptor->m_typename;
     if (std::strcmp(peer.type_name, type) != 0) {
@@ -106,7 +109,8 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
     QosPointer qos(dds_create_qos());
     if (dds_get_qos(endpoint.handle, qos.get()) != DDS_RETCODE_OK) return;
     Disagreement difference;
-    if (disagree(endpoint.is_writer ? qos.get() : peer.qos, endpoint.is_writer ? peer.qos : qos.get(), difference)) {
+    if (disagree(endpoint.is_writer ? qos.get() : peer.qos,
+                 endpoint.is_writer ? peer.qos : qos.get(), difference)) {
       if (endpoint.is_writer) {
         report("requests " + difference.requested, "offers " + difference.offered);
       } else {
@@ -124,16 +128,18 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
       report(std::string("defines ") + type + " differently", "cannot understand it");
     }
   };
-  Loan<dds_builtintopic_endpoint_t>(publications_.handle()).each([&](const auto& peer, dds_instance_handle_t handle) {
-    for (const Endpoint& endpoint : ours) {
-      if (!endpoint.is_writer) check(endpoint, peer, handle);
-    }
-  });
-  Loan<dds_builtintopic_endpoint_t>(subscriptions_.handle()).each([&](const auto& peer, dds_instance_handle_t handle) {
-    for (const Endpoint& endpoint : ours) {
-      if (endpoint.is_writer) check(endpoint, peer, handle);
-    }
-  });
+  Loan<dds_builtintopic_endpoint_t>(publications_.handle())
+      .each([&](const auto& peer, dds_instance_handle_t handle) {
+        for (const Endpoint& endpoint : ours) {
+          if (!endpoint.is_writer) check(endpoint, peer, handle);
+        }
+      });
+  Loan<dds_builtintopic_endpoint_t>(subscriptions_.handle())
+      .each([&](const auto& peer, dds_instance_handle_t handle) {
+        for (const Endpoint& endpoint : ours) {
+          if (endpoint.is_writer) check(endpoint, peer, handle);
+        }
+      });
   unmatched_since_ns_ = std::move(unmatched);
   return result;
 }

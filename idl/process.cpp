@@ -1,16 +1,16 @@
 #include "idl/process.hpp"
 
-#include <poll.h>
-#include <pthread.h>
-#include <sched.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/shutdown_listener.hpp"
@@ -29,7 +29,8 @@ void on_signal(int) { stop_requested.store(true); }
 std::uint64_t draw_session() noexcept {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000u + static_cast<std::uint64_t>(now.tv_nsec);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000u +
+         static_cast<std::uint64_t>(now.tv_nsec);
 }
 
 StopFlag::StopFlag() {
@@ -73,7 +74,11 @@ void Signal::wait(std::int64_t timeout_ns) noexcept {
 }
 
 ShutdownListener::ShutdownListener(Bus& bus, Process process)
-    : bus_(bus), process_(process), requests_(bus, 16, Wakes::kItself), replies_(bus), thread_([this] { run(); }) {}
+    : bus_(bus),
+      process_(process),
+      requests_(bus, 16, Wakes::kItself),
+      replies_(bus),
+      thread_([this] { run(); }) {}
 
 ShutdownListener::~ShutdownListener() {
   stop_.store(true);

@@ -6,7 +6,8 @@ namespace {
 
 // a reliable write waits this long for slow readers before it fails
 constexpr dds_duration_t kMaxBlockingRealtime = DDS_MSECS(10);
-constexpr dds_duration_t kMaxBlockingLockstep = DDS_SECS(10);
+// longer than the lease of a participant (10 s): a suspended client holds up a run, and loses it nothing
+constexpr dds_duration_t kMaxBlockingLockstep = DDS_SECS(30);
 constexpr dds_duration_t kPlanLease = DDS_SECS(1);
 constexpr dds_duration_t kStatusLease = DDS_SECS(1);
 // longer than any stall of a loaded machine: in lockstep a lost peer ends the run
@@ -25,8 +26,8 @@ void set_history(dds_qos_t* qos, int depth) { dds_qset_history(qos, DDS_HISTORY_
 // late readers get up to `depth` samples of what was written before they came
 void set_transient_local(dds_qos_t* qos, int depth) {
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
-                              DDS_LENGTH_UNLIMITED);
+  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
 }
 
 bool in_lockstep(const Topic& topic, ClockMode clock) {
@@ -34,21 +35,30 @@ bool in_lockstep(const Topic& topic, ClockMode clock) {
          (clock == ClockMode::kLockstep && (topic.qos == Qos::kStream || topic.qos == Qos::kPlan));
 }
 
-const char* name(dds_reliability_kind_t kind) { return kind == DDS_RELIABILITY_RELIABLE ? "RELIABLE" : "BEST_EFFORT"; }
+const char* name(dds_reliability_kind_t kind) {
+  return kind == DDS_RELIABILITY_RELIABLE ? "RELIABLE" : "BEST_EFFORT";
+}
 const char* name(dds_durability_kind_t kind) {
   switch (kind) {
-    case DDS_DURABILITY_VOLATILE: return "VOLATILE";
-    case DDS_DURABILITY_TRANSIENT_LOCAL: return "TRANSIENT_LOCAL";
-    case DDS_DURABILITY_TRANSIENT: return "TRANSIENT";
-    case DDS_DURABILITY_PERSISTENT: return "PERSISTENT";
+    case DDS_DURABILITY_VOLATILE:
+      return "VOLATILE";
+    case DDS_DURABILITY_TRANSIENT_LOCAL:
+      return "TRANSIENT_LOCAL";
+    case DDS_DURABILITY_TRANSIENT:
+      return "TRANSIENT";
+    case DDS_DURABILITY_PERSISTENT:
+      return "PERSISTENT";
   }
   return "unknown durability";
 }
 const char* name(dds_liveliness_kind_t kind) {
   switch (kind) {
-    case DDS_LIVELINESS_AUTOMATIC: return "AUTOMATIC liveliness";
-    case DDS_LIVELINESS_MANUAL_BY_PARTICIPANT: return "MANUAL_BY_PARTICIPANT liveliness";
-    case DDS_LIVELINESS_MANUAL_BY_TOPIC: return "MANUAL_BY_TOPIC liveliness";
+    case DDS_LIVELINESS_AUTOMATIC:
+      return "AUTOMATIC liveliness";
+    case DDS_LIVELINESS_MANUAL_BY_PARTICIPANT:
+      return "MANUAL_BY_PARTICIPANT liveliness";
+    case DDS_LIVELINESS_MANUAL_BY_TOPIC:
+      return "MANUAL_BY_TOPIC liveliness";
   }
   return "unknown liveliness";
 }
@@ -61,12 +71,14 @@ std::string duration(const char* what, dds_duration_t value) {
 
 QosPointer writer_qos(const Topic& topic, ClockMode clock) {
   QosPointer qos = new_qos();
-  const dds_duration_t blocking = clock == ClockMode::kLockstep ? kMaxBlockingLockstep : kMaxBlockingRealtime;
+  const dds_duration_t blocking =
+      clock == ClockMode::kLockstep ? kMaxBlockingLockstep : kMaxBlockingRealtime;
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, blocking);
   switch (topic.qos) {
     case Qos::kStream:
       set_history(qos.get(), 1);
-      if (clock == ClockMode::kRealtime) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+      if (clock == ClockMode::kRealtime)
+        dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
       break;
     case Qos::kPlan:
       set_history(qos.get(), 1);
@@ -91,7 +103,8 @@ QosPointer writer_qos(const Topic& topic, ClockMode clock) {
     set_transient_local(qos.get(), kLockstepDepth);
   }
   // offered in both clocks, so that a realtime client can listen to a lockstep run
-  if (topic.deadline_s > 0.0) dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));
+  if (topic.deadline_s > 0.0)
+    dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));
   return qos;
 }
 
@@ -99,7 +112,8 @@ QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth) {
   QosPointer qos = new_qos();
   const bool lockstep = in_lockstep(topic, clock);
   const bool best_effort = topic.qos == Qos::kStream && !lockstep;
-  dds_qset_reliability(qos.get(), best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
+  dds_qset_reliability(qos.get(),
+                       best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
                        DDS_MSECS(100));
   set_history(qos.get(), lockstep && depth < kLockstepDepth ? kLockstepDepth : depth);
   if (lockstep || topic.qos == Qos::kEvent || topic.qos == Qos::kStatus) {
@@ -113,21 +127,25 @@ QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth) {
 
 bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement& difference) {
   dds_duration_t unused = 0;
-  dds_reliability_kind_t offered_reliability = DDS_RELIABILITY_BEST_EFFORT, requested_reliability = offered_reliability;
+  dds_reliability_kind_t offered_reliability = DDS_RELIABILITY_BEST_EFFORT,
+                         requested_reliability = offered_reliability;
   if (dds_qget_reliability(offered, &offered_reliability, &unused) &&
-      dds_qget_reliability(requested, &requested_reliability, &unused) && offered_reliability < requested_reliability) {
+      dds_qget_reliability(requested, &requested_reliability, &unused) &&
+      offered_reliability < requested_reliability) {
     difference = {name(offered_reliability), name(requested_reliability)};
     return true;
   }
-  dds_durability_kind_t offered_durability = DDS_DURABILITY_VOLATILE, requested_durability = offered_durability;
-  if (dds_qget_durability(offered, &offered_durability) && dds_qget_durability(requested, &requested_durability) &&
+  dds_durability_kind_t offered_durability = DDS_DURABILITY_VOLATILE,
+                        requested_durability = offered_durability;
+  if (dds_qget_durability(offered, &offered_durability) &&
+      dds_qget_durability(requested, &requested_durability) &&
       offered_durability < requested_durability) {
     difference = {name(offered_durability), name(requested_durability)};
     return true;
   }
   dds_duration_t offered_deadline = DDS_INFINITY, requested_deadline = DDS_INFINITY;
-  if (dds_qget_deadline(offered, &offered_deadline) && dds_qget_deadline(requested, &requested_deadline) &&
-      offered_deadline > requested_deadline) {
+  if (dds_qget_deadline(offered, &offered_deadline) &&
+      dds_qget_deadline(requested, &requested_deadline) && offered_deadline > requested_deadline) {
     difference = {duration("deadline", offered_deadline), duration("deadline", requested_deadline)};
     return true;
   }
@@ -140,7 +158,8 @@ bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement
       return true;
     }
     if (offered_lease > requested_lease) {
-      difference = {duration("liveliness lease", offered_lease), duration("liveliness lease", requested_lease)};
+      difference = {duration("liveliness lease", offered_lease),
+                    duration("liveliness lease", requested_lease)};
       return true;
     }
   }

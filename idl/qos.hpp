@@ -1,5 +1,6 @@
 #pragma once
-// Quality of service of every topic: the numbers behind wire::Qos, and what two endpoints disagree on.
+// Quality of service of every topic: the numbers behind wire::Qos, and what two endpoints disagree
+// on.
 #include <memory>
 #include <string>
 

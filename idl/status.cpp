@@ -18,7 +18,8 @@ constexpr int kProblemsEvery = 10;  // reports between two looks at the peers
 constexpr int kRateOver = 10;       // reports that the measured rate is averaged over
 
 Quantiles to_wire(const rt::Quantiles& quantiles) {
-  return {quantiles.count, quantiles.p50_s, quantiles.p95_s, quantiles.p99_s, quantiles.p999_s, quantiles.max_s};
+  return {quantiles.count, quantiles.p50_s,  quantiles.p95_s,
+          quantiles.p99_s, quantiles.p999_s, quantiles.max_s};
 }
 
 template <std::size_t Size>
@@ -64,7 +65,8 @@ struct StatusReporter::Implementation {
 
   void look_at_peers() {
     std::string found;
-    for (const PeerProblem& problem : bus.problems()) found += (found.empty() ? "" : "; ") + problem.text;
+    for (const PeerProblem& problem : bus.problems())
+      found += (found.empty() ? "" : "; ") + problem.text;
     const std::lock_guard lock(mutex);
     problems = found;
   }
@@ -74,7 +76,8 @@ struct StatusReporter::Implementation {
     const std::uint64_t count = compute.snapshot().count;
     const auto& [then_ns, then_count] = history[static_cast<std::size_t>(reports % kRateOver)];
     if (reports >= kRateOver) {
-      status.rate_hz = static_cast<double>(count - then_count) / (static_cast<double>(now_ns - then_ns) * 1e-9);
+      status.rate_hz =
+          static_cast<double>(count - then_count) / (static_cast<double>(now_ns - then_ns) * 1e-9);
     }
     history[static_cast<std::size_t>(reports % kRateOver)] = {now_ns, count};
     ++reports;
@@ -84,7 +87,8 @@ struct StatusReporter::Implementation {
     copy(status.text, problems.empty() ? text : (text.empty() ? problems : text + "; " + problems));
     status.wakeup_latency = to_wire(wakeup_latency.snapshot());
     status.compute = to_wire(compute.snapshot());
-    for (int i = 0; i < names; ++i) status.counters[i] = counters[static_cast<std::size_t>(i)].load();
+    for (int i = 0; i < names; ++i)
+      status.counters[i] = counters[static_cast<std::size_t>(i)].load();
     writer.write(status, rt::now_ns());
   }
 
@@ -122,7 +126,8 @@ std::atomic<std::uint64_t>& StatusReporter::counter(std::string_view name) {
   const std::lock_guard lock(implementation_->mutex);
   ServiceStatus& status = implementation_->status;
   for (int i = 0; i < implementation_->names; ++i) {
-    if (name == status.counter_names[i]) return implementation_->counters[static_cast<std::size_t>(i)];
+    if (name == status.counter_names[i])
+      return implementation_->counters[static_cast<std::size_t>(i)];
   }
   if (implementation_->names == c3rt_v1_COUNTERS || name.size() >= sizeof status.counter_names[0]) {
     throw WireError("service/status has no room for the counter " + std::string(name));
@@ -132,7 +137,9 @@ std::atomic<std::uint64_t>& StatusReporter::counter(std::string_view name) {
   return implementation_->counters[static_cast<std::size_t>(i)];
 }
 
-rt::Statistics& StatusReporter::wakeup_latency() noexcept { return implementation_->wakeup_latency; }
+rt::Statistics& StatusReporter::wakeup_latency() noexcept {
+  return implementation_->wakeup_latency;
+}
 rt::Statistics& StatusReporter::compute() noexcept { return implementation_->compute; }
 
 }  // namespace c3rt::wire

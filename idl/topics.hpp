@@ -39,7 +39,8 @@ enum class Qos {
   kSync,    // reliable, keep last 256: lockstep only
 };
 
-/// Streams whose newest sequence number a Tick carries (index into Tick.newest_seq); -1: not in a tick.
+/// Streams whose newest sequence number a Tick carries (index into Tick.newest_seq); -1: not in a
+/// tick.
 enum class Stream : int {
   kNone = -1,
   kRobotState = 0,
@@ -55,7 +56,7 @@ struct Topic {
   const dds_topic_descriptor_t* descriptor;
   Qos qos;
   Stream stream;
-  double deadline_s;   // 0: none. Requested and offered where the topic is periodic (realtime only).
+  double deadline_s;  // 0: none. Requested and offered where the topic is periodic (realtime only).
 };
 
 template <typename T>

@@ -7,8 +7,9 @@ namespace c3rt::rt {
 
 /// Newest value from one writer thread to one reader thread; both sides wait-free (triple buffer).
 ///
-/// Each of the three slots belongs to one side at a time: `back_` to the writer, `front_` to the reader, and the
-/// one named in `middle_` to nobody. Values that the reader was too slow for are overwritten.
+/// Each of the three slots belongs to one side at a time: `back_` to the writer, `front_` to the
+/// reader, and the one named in `middle_` to nobody. Values that the reader was too slow for are
+/// overwritten.
 template <typename T>
 class Latest {
  public:
@@ -18,8 +19,8 @@ class Latest {
     back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Reader thread only. @return false, and `out` untouched, if nothing was put since the last take.
-  /// RT: no heap (if T's assignment makes none), no lock, no throw.
+  /// Reader thread only. @return false, and `out` untouched, if nothing was put since the last
+  /// take. RT: no heap (if T's assignment makes none), no lock, no throw.
   [[nodiscard]] bool take(T& out) noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;

@@ -11,7 +11,8 @@ namespace {
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 void sleep_until(std::int64_t time_ns) noexcept {
-  const timespec at{static_cast<std::time_t>(time_ns / kNsPerSecond), static_cast<long>(time_ns % kNsPerSecond)};
+  const timespec at{static_cast<std::time_t>(time_ns / kNsPerSecond),
+                    static_cast<long>(time_ns % kNsPerSecond)};
   // a signal ends the sleep early; the deadline stays
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
   }
@@ -27,7 +28,8 @@ std::int64_t now_ns() noexcept {
 
 PeriodicClock::PeriodicClock(std::int64_t period_ns, std::int64_t first_ns)
     : period_ns_(period_ns), deadline_ns_(first_ns) {
-  if (period_ns <= 0) throw std::invalid_argument("PeriodicClock: the period must be longer than 0 ns");
+  if (period_ns <= 0)
+    throw std::invalid_argument("PeriodicClock: the period must be longer than 0 ns");
 }
 
 Wakeup PeriodicClock::wait() noexcept {

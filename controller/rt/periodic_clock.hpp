@@ -4,7 +4,8 @@
 
 namespace c3rt::rt {
 
-/// CLOCK_MONOTONIC of this host [ns]: the session's clock in realtime. RT: no heap, no lock, no throw.
+/// CLOCK_MONOTONIC of this host [ns]: the session's clock in realtime. RT: no heap, no lock, no
+/// throw.
 std::int64_t now_ns() noexcept;
 
 /// What PeriodicClock::wait() saw.
@@ -17,7 +18,8 @@ struct Wakeup {
 
 /// Ticks on a fixed grid of CLOCK_MONOTONIC: deadlines are absolute, so lateness never accumulates.
 ///
-/// A cycle that is late by less than a period starts at once; one that is later is skipped and counted.
+/// A cycle that is late by less than a period starts at once; one that is later is skipped and
+/// counted.
 class PeriodicClock {
  public:
   /// The grid is first_ns + k * period_ns, k = 1, 2, ...

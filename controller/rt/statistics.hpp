@@ -18,8 +18,8 @@ struct Quantiles {
   double max_s = 0.0;  // exact
 };
 
-/// Logarithmic histogram of durations, 64 buckets per octave from 2⁻³⁰ s (1 ns) to 2¹⁰ s: a quantile is within 0.8 %
-/// of the sample that it names. One thread adds, any thread reads.
+/// Logarithmic histogram of durations, 64 buckets per octave from 2⁻³⁰ s (1 ns) to 2¹⁰ s: a
+/// quantile is within 0.8 % of the sample that it names. One thread adds, any thread reads.
 class Statistics {
  public:
   /// One duration. What is shorter than 1 ns, negative or not a number counts as the shortest.
@@ -44,7 +44,8 @@ class Statistics {
     result.max_s = max_s_.load(std::memory_order_relaxed);
     if (result.count == 0) return result;
     const auto quantile = [&](double share) {
-      const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(result.count)));
+      const auto rank =
+          static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(result.count)));
       std::uint64_t below = 0;
       for (int i = 0; i < kBuckets; ++i) {
         below += counts[i];
@@ -64,7 +65,8 @@ class Statistics {
   static constexpr int kOctaves = 40;
   static constexpr int kBuckets = kPerOctave * kOctaves;
   static constexpr int kMantissaShift = 52 - 6;
-  static constexpr std::int64_t kFirst = (1023 - 30) * std::int64_t{kPerOctave};  // 2⁻³⁰ s, biased exponent
+  static constexpr std::int64_t kFirst =
+      (1023 - 30) * std::int64_t{kPerOctave};  // 2⁻³⁰ s, biased exponent
 
   static int index(double duration_s) noexcept {
     if (!(duration_s > 0.0)) return 0;

@@ -1,15 +1,15 @@
 #include "controller/rt/thread_setup.hpp"
 
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <cstddef>
-#include <cstring>
 
 namespace c3rt::rt {
 
@@ -30,7 +30,8 @@ int lock_memory() noexcept {
   mallopt(M_MMAP_MAX, 0);
   // where the amount is limited, locking the future would make later allocations fail
   rlimit limit{};
-  const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  const bool unlimited =
+      geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
   if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) return errno;
   prefault_stack();
   return 0;

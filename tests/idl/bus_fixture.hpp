@@ -1,11 +1,11 @@
 #pragma once
 // Buses of a DDS domain that no other test on this machine uses at the same time.
+#include <cstdint>
+#include <functional>
+
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cstdint>
-#include <functional>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/dds.hpp"

@@ -21,7 +21,8 @@ using test::kSecond;
 class RawWriter {
  public:
   RawWriter(const Bus& bus, const Topic& topic, bool reliable = true) {
-    const dds_entity_t handle = dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr);
+    const dds_entity_t handle =
+        dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr);
     dds_qos_t* qos = dds_create_qos();
     if (reliable) dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
@@ -41,7 +42,8 @@ class RawWriter {
   dds_entity_t writer_;
 };
 
-/// Takes everything that arrives within the patience of `eventually`, until `count` samples are there.
+/// Takes everything that arrives within the patience of `eventually`, until `count` samples are
+/// there.
 template <typename T>
 std::vector<T> take(Reader<T>& reader, std::size_t count) {
   std::vector<T> samples;
@@ -169,13 +171,14 @@ template <>
 Tick filled() {
   Tick sample{};
   sample.due = 0x80000001u;
-  for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i) sample.newest_seq[i] = static_cast<std::uint64_t>(i) << 40;
+  for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i)
+    sample.newest_seq[i] = static_cast<std::uint64_t>(i) << 40;
   return sample;
 }
 
-TEMPLATE_TEST_CASE("wire: what is written in one process is read in another, bit by bit", "", RobotState, RobotCommand,
-                   Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick, Done, ServiceStatus, ServiceRequest,
-                   ServiceReply, FaultInject) {
+TEMPLATE_TEST_CASE("wire: what is written in one process is read in another, bit by bit", "",
+                   RobotState, RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene,
+                   Tick, Done, ServiceStatus, ServiceRequest, ServiceReply, FaultInject) {
   constexpr std::uint64_t kSession = 42;
   // in lockstep every topic is reliable, so a write before the reader is found is not lost
   test::Child child([] {
@@ -314,7 +317,8 @@ TEST_CASE("Reader: samples of several instances come in the order in which they 
   CHECK(detections.counters().out_of_order == 0);
 }
 
-TEST_CASE("Reader: take_effective gives the newest sample whose time has come and keeps the later ones") {
+TEST_CASE(
+    "Reader: take_effective gives the newest sample whose time has come and keeps the later ones") {
   Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
   Writer<Plan> writer(plant);
   Reader<Plan> reader(bus);
@@ -394,7 +398,9 @@ TEST_CASE("Bus: waits for data, and can be woken without any") {
   CHECK(rt::now_ns() - begin_ns < 60 * kSecond);  // neither wait ran into its limit
 }
 
-TEST_CASE("Bus: wait_for names the topic whose sample does not come, and lets out nothing beyond what was promised") {
+TEST_CASE(
+    "Bus: wait_for names the topic whose sample does not come, and lets out nothing beyond what "
+    "was promised") {
   Bus plant(test::settings(ClockMode::kLockstep, 1)), bus(test::settings(ClockMode::kLockstep));
   Writer<RobotState> writer(plant);
   Writer<Scene> scenes(plant);
@@ -430,9 +436,12 @@ TEST_CASE("Bus: a peer with incompatible QoS or another type is reported by topi
     };
     dds_qos_t* reliable = dds_create_qos();
     dds_qset_reliability(reliable, DDS_RELIABILITY_RELIABLE, 0);
-    dds_create_reader(bus.participant(), topic_of("robot/state", topic<RobotState>()), reliable, nullptr);
-    dds_create_writer(bus.participant(), topic_of("plan", topic<RobotCommand>()), reliable, nullptr);
-    dds_create_writer(bus.participant(), topic_of("task/target", topic<TaskTarget>()), reliable, nullptr);
+    dds_create_reader(bus.participant(), topic_of("robot/state", topic<RobotState>()), reliable,
+                      nullptr);
+    dds_create_writer(bus.participant(), topic_of("plan", topic<RobotCommand>()), reliable,
+                      nullptr);
+    dds_create_writer(bus.participant(), topic_of("task/target", topic<TaskTarget>()), reliable,
+                      nullptr);
     sleep(30);
     return 0;
   });
@@ -450,13 +459,19 @@ TEST_CASE("Bus: a peer with incompatible QoS or another type is reported by topi
   for (const PeerProblem& problem : problems) text[problem.topic] = problem.text;
   CHECK(text.size() == 3);
   const std::string pid = "(pid " + std::to_string(peer.pid()) + ")";
-  CHECK_THAT(text["robot/state"], Catch::Contains("requests RELIABLE, this writer offers BEST_EFFORT"));
+  CHECK_THAT(text["robot/state"],
+             Catch::Contains("requests RELIABLE, this writer offers BEST_EFFORT"));
   CHECK_THAT(text["robot/state"], Catch::Contains(pid));
-  CHECK_THAT(text["plan"], Catch::Contains("has type c3rt::v1::RobotCommand, this reader has type c3rt::v1::Plan"));
-  CHECK_THAT(text["task/target"], Catch::Contains("offers VOLATILE, this reader requests TRANSIENT_LOCAL"));
+  CHECK_THAT(
+      text["plan"],
+      Catch::Contains("has type c3rt::v1::RobotCommand, this reader has type c3rt::v1::Plan"));
+  CHECK_THAT(text["task/target"],
+             Catch::Contains("offers VOLATILE, this reader requests TRANSIENT_LOCAL"));
 }
 
-TEST_CASE("Bus: processes of the same clock have no problem with each other, and a realtime client can listen to both") {
+TEST_CASE(
+    "Bus: processes of the same clock have no problem with each other, and a realtime client can "
+    "listen to both") {
   for (const ClockMode clock : {ClockMode::kRealtime, ClockMode::kLockstep}) {
     Bus plant(test::settings(clock, 1)), peer(test::settings(clock)), client(test::settings());
     Writer<RobotState> a(plant);
@@ -493,7 +508,8 @@ TEST_CASE("Bus: a profile that is missing or wrong is an error that names it") {
   BusSettings settings = test::settings();
   settings.domain = 101;
   settings.profile_uri = "no/such/profile.xml";
-  CHECK_THROWS_WITH(Bus(settings), Catch::Contains("no/such/profile.xml") && Catch::Contains("No such file"));
+  CHECK_THROWS_WITH(Bus(settings),
+                    Catch::Contains("no/such/profile.xml") && Catch::Contains("No such file"));
   settings.profile_uri = C3RT_SOURCE_DIRECTORY "/.clang-format";  // a file, but not XML
   CHECK_THROWS_AS(Bus(settings), WireError);
 }

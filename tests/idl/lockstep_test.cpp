@@ -46,7 +46,8 @@ int impedance() {
   return states.counters().lost + states.counters().out_of_order == 0 ? stopped(loop) : 3;
 }
 
-/// Plans every 13 ms; odd plans take effect at once, which only works if nobody sees them within the tick.
+/// Plans every 13 ms; odd plans take effect at once, which only works if nobody sees them within
+/// the tick.
 int planner() {
   const StopFlag stop;
   Bus bus(test::settings(ClockMode::kLockstep));
@@ -88,7 +89,8 @@ Run run(int ticks) {
     RobotCommand command{};
     for (int k = 0; k < ticks; ++k) {
       const std::int64_t now_ns = k * kMs;
-      state.q_rad[0] = std::sin(0.01 * k) + 0.1 * command.tau_nm[0];  // what was commanded comes back
+      state.q_rad[0] =
+          std::sin(0.01 * k) + 0.1 * command.tau_nm[0];  // what was commanded comes back
       states.write(state, now_ns);
       if (!master.advance(now_ns)) break;
       while (commands.take(command)) {
@@ -112,7 +114,9 @@ Run run(int ticks) {
   return result;
 }
 
-TEST_CASE("lockstep: over 2000 ticks every sample arrives in order, and a run on a loaded machine has the same bits") {
+TEST_CASE(
+    "lockstep: over 2000 ticks every sample arrives in order, and a run on a loaded machine has "
+    "the same bits") {
   constexpr int kTicks = 2000;
   const Run idle = run(kTicks);
   CHECK(idle.failure == "");
@@ -124,7 +128,10 @@ TEST_CASE("lockstep: over 2000 ticks every sample arrives in order, and a run on
 
   Child load([] {
     std::atomic<bool> never{false};
-    std::thread other([&] { while (!never) {} });
+    std::thread other([&] {
+      while (!never) {
+      }
+    });
     while (!never) {
     }
     return 0;
@@ -166,8 +173,9 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
 
 TEST_CASE("LockstepMaster: names the processes that did not join") {
   Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
-  CHECK_THROWS_WITH(LockstepMaster(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_VISION}, 200 * kMs),
-                    "did not join the lockstep run within 0.2 s: impedance, vision");
+  CHECK_THROWS_WITH(
+      LockstepMaster(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_VISION}, 200 * kMs),
+      "did not join the lockstep run within 0.2 s: impedance, vision");
 }
 
 TEST_CASE("LockstepMaster: names the process that died, and the tick") {
@@ -183,7 +191,8 @@ TEST_CASE("LockstepMaster: names the process that died, and the tick") {
   });
   Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
   Writer<RobotState> states(bus);
-  LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond, kSecond);
+  LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond,
+                        kSecond);
   RobotState state{};
   int ticks = 0;
   do {
@@ -256,7 +265,8 @@ TEST_CASE("Loop: names the topic whose promised sample does not come") {
   ticks.write(tick, 7 * kMs);
   std::int64_t now_ns = 0;
   CHECK_FALSE(loop.wait(now_ns));
-  CHECK(loop.failure() == "the tick of 0.007 s promises a sample of sim/scene that did not arrive for 0.5 s");
+  CHECK(loop.failure() ==
+        "the tick of 0.007 s promises a sample of sim/scene that did not arrive for 0.5 s");
 }
 
 TEST_CASE("Loop: a signal ends the wait, and that is no failure") {

@@ -10,7 +10,8 @@
 namespace c3rt::wire {
 namespace {
 
-// the sizes that the model and the planner are built for stand in the contract, not only in the code
+// the sizes that the model and the planner are built for stand in the contract, not only in the
+// code
 static_assert(sizeof(Plan::x) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_STATES * sizeof(double));
 static_assert(sizeof(Plan::lambda) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_FORCES * sizeof(double));
 static_assert(sizeof(Plan::u) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_INPUTS * sizeof(double));
@@ -22,15 +23,17 @@ template <typename... T>
 std::map<std::string, const Topic*> table() {
   return {{topic<T>().name, &topic<T>()}...};
 }
-const auto kTopics = table<RobotState, RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick, Done,
-                           ServiceStatus, ServiceRequest, ServiceReply, FaultInject>();
+const auto kTopics =
+    table<RobotState, RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick,
+          Done, ServiceStatus, ServiceRequest, ServiceReply, FaultInject>();
 
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
   for (const auto& [name, topic] : kTopics) names.insert(name);
-  CHECK(names == std::set<std::string>{"robot/state", "robot/command", "plan", "ball/detection", "ball/estimate",
-                                       "task/target", "sim/scene", "sim/tick", "sim/done", "service/status",
-                                       "service/request", "service/reply", "fault/inject"});
+  CHECK(names == std::set<std::string>{"robot/state", "robot/command", "plan", "ball/detection",
+                                       "ball/estimate", "task/target", "sim/scene", "sim/tick",
+                                       "sim/done", "service/status", "service/request",
+                                       "service/reply", "fault/inject"});
 }
 
 TEST_CASE("topics: no two topics share a type or a place in a tick") {
@@ -47,9 +50,10 @@ TEST_CASE("topics: no two topics share a type or a place in a tick") {
 
 TEST_CASE("topics: every sample that crosses the network begins with a key or the header") {
   // DESIGN, section 2: the keyed topics
-  const std::set<std::string> keyed = {"robot/state",   "robot/command",  "plan",            "ball/detection",
-                                       "ball/estimate", "sim/done",       "service/status",  "service/request",
-                                       "service/reply", "fault/inject"};
+  const std::set<std::string> keyed = {"robot/state",    "robot/command",   "plan",
+                                       "ball/detection", "ball/estimate",   "sim/done",
+                                       "service/status", "service/request", "service/reply",
+                                       "fault/inject"};
   for (const auto& [name, topic] : kTopics) {
     INFO(name);
     CHECK((topic->descriptor->m_nkeys > 0) == (keyed.count(name) == 1));
@@ -57,7 +61,8 @@ TEST_CASE("topics: every sample that crosses the network begins with a key or th
 }
 
 TEST_CASE("topics: the version of the contract is in every type's name") {
-  for (const auto& [name, topic] : kTopics) CHECK(std::strncmp(topic->descriptor->m_typename, "c3rt::v1::", 10) == 0);
+  for (const auto& [name, topic] : kTopics)
+    CHECK(std::strncmp(topic->descriptor->m_typename, "c3rt::v1::", 10) == 0);
 }
 
 TEST_CASE("process_name: every process has one") {

@@ -35,7 +35,8 @@ TEST_CASE("Latest: gives the newest value once, and leaves the output alone when
   CHECK(out == 4);
 }
 
-TEST_CASE("Latest: between two threads no value is torn, none comes twice, and the last one arrives") {
+TEST_CASE(
+    "Latest: between two threads no value is torn, none comes twice, and the last one arrives") {
   constexpr std::int64_t kValues = 300'000;
   Latest<Value> latest;
   std::thread writer([&] {

@@ -30,7 +30,9 @@ TEST_CASE("PeriodicClock: every deadline lies on the grid, and none is woken bef
   }
 }
 
-TEST_CASE("PeriodicClock: a cycle late by less than a period starts at once and is not counted as missed") {
+TEST_CASE(
+    "PeriodicClock: a cycle late by less than a period starts at once and is not counted as "
+    "missed") {
   // the grid begins in the past: the first deadline was 4 ms ago, the second is 6 ms ahead
   const std::int64_t begin_ns = now_ns();
   PeriodicClock clock(10 * kMs, begin_ns - 14 * kMs);

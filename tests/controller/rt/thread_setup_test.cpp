@@ -1,11 +1,10 @@
 #include "controller/rt/thread_setup.hpp"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <thread>
 
 #include <catch2/catch.hpp>
+#include <pthread.h>
+#include <sched.h>
 
 namespace c3rt::rt {
 namespace {
@@ -16,9 +15,7 @@ void in_thread(F body) {
   std::thread(body).join();
 }
 
-TEST_CASE("setup_thread: nothing asked, nothing refused") {
-  CHECK(setup_thread({}).empty());
-}
+TEST_CASE("setup_thread: nothing asked, nothing refused") { CHECK(setup_thread({}).empty()); }
 
 TEST_CASE("setup_thread: what cannot be granted is named in one sentence, and the thread goes on") {
   std::string refused;
@@ -28,7 +25,8 @@ TEST_CASE("setup_thread: what cannot be granted is named in one sentence, and th
     settings.fifo_priority = 1000;      // the scale ends at 99
     refused = setup_thread(settings);
   });
-  CHECK_THAT(refused, Catch::Contains("CPU affinity " + std::to_string(CPU_SETSIZE - 1) + " refused"));
+  CHECK_THAT(refused,
+             Catch::Contains("CPU affinity " + std::to_string(CPU_SETSIZE - 1) + " refused"));
   CHECK_THAT(refused, Catch::Contains("; SCHED_FIFO priority 1000 refused"));
 }
 
