@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/allocation_counter.hpp"
+
 using namespace c3rt::vision;
 
 namespace {
@@ -171,4 +173,21 @@ TEST_CASE("estimator: weights outside (0, 1] and lengths that are not positive a
   wrong.velocity_weight = 1.1;
   REQUIRE_THROWS_WITH(Estimator(wrong, kRadius), Catch::Contains("velocity_weight"));
   REQUIRE_THROWS_WITH(Estimator(parameters(), 0.0), Catch::Contains("ball_radius"));
+}
+
+TEST_CASE("estimator: step and predict do not allocate") {
+  Estimator estimator(parameters(), kRadius);
+  std::int64_t heap_calls = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  {
+    const c3rt::support::AllocationCounter heap;
+    for (int k = 1; k <= 1000; ++k) {
+      const std::int64_t t = k * kPeriod;
+      sum += estimator.predict(t);
+      sum += estimator.step({t, k % 7 != 0, {0.001 * (k % 100), 0, 0}}).v_WB;
+    }
+    heap_calls = heap.count();
+  }
+  REQUIRE(sum.allFinite());
+  REQUIRE(heap_calls == 0);
 }
