@@ -7,7 +7,6 @@
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
-#include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rolling_ball.hpp"
 
