@@ -22,22 +22,29 @@ bool is_finite(const Plan& plan) noexcept {
 
 StopReason reason_of(StateFault fault) noexcept {
   switch (fault) {
-    case StateFault::kStale: return StopReason::kStateStale;
-    case StateFault::kNotFinite: return StopReason::kStateNotFinite;
-    case StateFault::kJointPosition: return StopReason::kJointPosition;
-    case StateFault::kJointVelocity: return StopReason::kJointVelocity;
-    case StateFault::kNone: break;
+    case StateFault::kStale:
+      return StopReason::kStateStale;
+    case StateFault::kNotFinite:
+      return StopReason::kStateNotFinite;
+    case StateFault::kJointPosition:
+      return StopReason::kJointPosition;
+    case StateFault::kJointVelocity:
+      return StopReason::kJointVelocity;
+    case StateFault::kNone:
+      break;
   }
   return StopReason::kRequested;
 }
 
 /// The point at most `step` away from `from` on the way to `to`.
-Eigen::Vector3d move_towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) noexcept {
+Eigen::Vector3d move_towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                             double step) noexcept {
   const double distance = (to - from).norm();
   return distance <= step ? to : Eigen::Vector3d(from + (to - from) * (step / distance));
 }
 
-Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to, double step) noexcept {
+Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to,
+                                double step) noexcept {
   const double angle = from.angularDistance(to);
   return angle <= step ? to : from.slerp(step / angle, to).normalized();
 }
@@ -46,18 +53,21 @@ Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Qua
 
 StateFault judge_state(const Input& input, const Limits& limits) noexcept {
   if (!input.q.allFinite() || !input.dq.allFinite()) return StateFault::kNotFinite;
-  if ((input.q.array() < limits.q_min.array()).any() || (input.q.array() > limits.q_max.array()).any()) {
+  if ((input.q.array() < limits.q_min.array()).any() ||
+      (input.q.array() > limits.q_max.array()).any()) {
     return StateFault::kJointPosition;
   }
   if ((input.dq.array().abs() > limits.dq_max.array()).any()) return StateFault::kJointVelocity;
-  if (seconds_between(input.state_stamp_ns, input.now_ns) > limits.state_timeout) return StateFault::kStale;
+  if (seconds_between(input.state_stamp_ns, input.now_ns) > limits.state_timeout)
+    return StateFault::kStale;
   return StateFault::kNone;
 }
 
 PlanVerdict judge_plan(const Input& input, const Limits& limits) noexcept {
   if (!input.has_plan) return PlanVerdict::kNone;
   const Plan& plan = input.plan;
-  if (plan.session_id == 0 || plan.session_id != input.session_id) return PlanVerdict::kOtherSession;
+  if (plan.session_id == 0 || plan.session_id != input.session_id)
+    return PlanVerdict::kOtherSession;
   if (plan.status == PlanStatus::kUnknown || !is_finite(plan) || plan.delta_t_c < 0.0 ||
       std::abs(plan.q_WE.norm() - 1.0) > kQuaternionTolerance) {
     return PlanVerdict::kInvalid;
@@ -71,13 +81,20 @@ PlanVerdict judge_plan(const Input& input, const Limits& limits) noexcept {
 
 const char* to_text(StopReason reason) noexcept {
   switch (reason) {
-    case StopReason::kNone: return "not stopped";
-    case StopReason::kRequested: return "a stop was requested";
-    case StopReason::kStateStale: return "the robot state is stale";
-    case StopReason::kStateNotFinite: return "the robot state is not finite";
-    case StopReason::kJointPosition: return "a joint position is outside its limits";
-    case StopReason::kJointVelocity: return "a joint velocity is outside its limits";
-    case StopReason::kTorqueNotFinite: return "the law gave a torque that is not finite";
+    case StopReason::kNone:
+      return "not stopped";
+    case StopReason::kRequested:
+      return "a stop was requested";
+    case StopReason::kStateStale:
+      return "the robot state is stale";
+    case StopReason::kStateNotFinite:
+      return "the robot state is not finite";
+    case StopReason::kJointPosition:
+      return "a joint position is outside its limits";
+    case StopReason::kJointVelocity:
+      return "a joint velocity is outside its limits";
+    case StopReason::kTorqueNotFinite:
+      return "the law gave a torque that is not finite";
   }
   return "unknown";
 }
@@ -98,8 +115,9 @@ Output Controller::step(const Input& input) noexcept {
     if (state_usable) {
       arm_.update(input.q, input.dq, state_);
       // an old velocity damps nothing, so without a usable state the torque fades out instead
-      wanted = mode_ == Mode::kStop ? Vector7d(-parameters_.limits.stop_damping * (state_.M * input.dq))
-                                    : law_torque(input);
+      wanted = mode_ == Mode::kStop
+                   ? Vector7d(-parameters_.limits.stop_damping * (state_.M * input.dq))
+                   : law_torque(input);
     }
     if (!wanted.allFinite()) {
       wanted.setZero();
@@ -197,7 +215,8 @@ void Controller::move_reference(const Input& input) noexcept {
       target.p_WE -= plan.v_WE * std::max(to_go, 0.0);
       if (to_go <= 0.0) target.v_WE.setZero();
     }
-    const Eigen::Vector3d inside = target.p_WE.cwiseMax(limits.workspace_min).cwiseMin(limits.workspace_max);
+    const Eigen::Vector3d inside =
+        target.p_WE.cwiseMax(limits.workspace_min).cwiseMin(limits.workspace_max);
     if (inside != target.p_WE) {
       ++counters_.workspace_clamps;
       target.v_WE = (inside.array() == target.p_WE.array()).select(target.v_WE, 0.0);
@@ -210,9 +229,10 @@ void Controller::move_reference(const Input& input) noexcept {
     }
   }
 
-  reference_.p_WE = move_towards(reference_.p_WE, target.p_WE, limits.reference_speed * parameters_.period);
-  reference_.q_WE =
-      turn_towards(reference_.q_WE, target.q_WE, limits.reference_angular_speed * parameters_.period);
+  reference_.p_WE =
+      move_towards(reference_.p_WE, target.p_WE, limits.reference_speed * parameters_.period);
+  reference_.q_WE = turn_towards(reference_.q_WE, target.q_WE,
+                                 limits.reference_angular_speed * parameters_.period);
   reference_.v_WE = target.v_WE;
   reference_.force_E = target.force_E;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// One cycle of the impedance process as a function: newest samples in, torque out. Knows no bus, thread or clock.
+// One cycle of the impedance process as a function: newest samples in, torque out. Knows no bus,
+// thread or clock.
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -27,11 +28,13 @@ struct Plan {
   Eigen::Vector3d p_WE = Eigen::Vector3d::Zero();  // x_d [m]
   Eigen::Vector3d v_WE = Eigen::Vector3d::Zero();  // [m/s]
   Eigen::Quaterniond q_WE = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d force_E = Eigen::Vector3d::Zero();  // that the contacts exert on the end effector, in W [N]
-  double delta_t_c = 0.0;                             // x_d is the state at stamp + delta_t_c [s]
+  Eigen::Vector3d force_E =
+      Eigen::Vector3d::Zero();  // that the contacts exert on the end effector, in W [N]
+  double delta_t_c = 0.0;       // x_d is the state at stamp + delta_t_c [s]
 };
 
-/// The newest samples; a caller that never received one says so. A plan is given from its stamp on, not before.
+/// The newest samples; a caller that never received one says so. A plan is given from its stamp on,
+/// not before.
 struct Input {
   std::int64_t now_ns = 0;
 
@@ -45,15 +48,17 @@ struct Input {
   bool has_plan = false;
   Plan plan;
 
-  bool stop = false;     // requests of a person, true for one cycle
+  bool stop = false;  // requests of a person, true for one cycle
   bool recover = false;
 };
 
-/// Cycles in a row for which the robot state may be too old. After a pause of the whole machine the first state at
-/// hand is old and the next ones are not; the robot itself forgives as many lost commands.
+/// Cycles in a row for which the robot state may be too old. After a pause of the whole machine the
+/// first state at hand is old and the next ones are not; the robot itself forgives as many lost
+/// commands.
 constexpr int kPatience = 20;
 
-/// What is wrong with the robot state; anything but kNone stops the arm (kStale: after kPatience cycles).
+/// What is wrong with the robot state; anything but kNone stops the arm (kStale: after kPatience
+/// cycles).
 enum class StateFault { kNone, kStale, kNotFinite, kJointPosition, kJointVelocity };
 StateFault judge_state(const Input& input, const Limits& limits) noexcept;
 
@@ -80,14 +85,14 @@ struct Counters {
   std::uint64_t workspace_clamps = 0;     // the plan was outside the box
   std::uint64_t torque_clamps = 0;
   std::uint64_t torque_rate_clamps = 0;
-  std::uint64_t stops = 0;                // times that the arm was stopped
+  std::uint64_t stops = 0;  // times that the arm was stopped
 };
 
 struct Output {
-  Mode mode;                       // kWait: nothing may be sent
-  Vector7d tau;                    // without gravity [N m]
-  Eigen::Vector3d p_WE_desired;    // what the law tracked [m]
-  Eigen::Vector3d v_WE_desired;    // [m/s]
+  Mode mode;                     // kWait: nothing may be sent
+  Vector7d tau;                  // without gravity [N m]
+  Eigen::Vector3d p_WE_desired;  // what the law tracked [m]
+  Eigen::Vector3d v_WE_desired;  // [m/s]
   Eigen::Quaterniond q_WE_desired;
   StopReason stop_reason;
   PlanVerdict plan;
@@ -96,9 +101,9 @@ struct Output {
 
 /// The impedance controller at a fixed rate.
 ///
-/// The reference never jumps: it moves towards the plan (or the pose to hold) at most at the limits' speeds, and the
-/// torque changes at most by tau_rate_max * period per cycle. A robot of a new session is a new robot: all memory of
-/// the old one, a latched stop included, is dropped.
+/// The reference never jumps: it moves towards the plan (or the pose to hold) at most at the
+/// limits' speeds, and the torque changes at most by tau_rate_max * period per cycle. A robot of a
+/// new session is a new robot: all memory of the old one, a latched stop included, is dropped.
 class Controller {
  public:
   Controller(const Parameters& parameters, model::Arm arm);

@@ -26,7 +26,8 @@ wire::BusSettings bus_settings(const config::ProcessOptions& options) {
   wire::BusSettings settings;
   settings.domain = options.domain;
   settings.profile_uri = options.dds_profile;
-  settings.clock = options.clock == config::Clock::kLockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
+  settings.clock = options.clock == config::Clock::kLockstep ? wire::ClockMode::kLockstep
+                                                             : wire::ClockMode::kRealtime;
   settings.session_id = options.session;
   return settings;
 }
@@ -34,7 +35,8 @@ wire::BusSettings bus_settings(const config::ProcessOptions& options) {
 /// One loud warning for whatever the kernel refuses; the process runs all the same.
 void set_up_thread(const rt::ThreadSettings& settings) {
   const std::string refused = rt::setup_thread(settings);
-  if (!refused.empty()) spdlog::warn("NOT REAL-TIME: {}; the 1 kHz loop will be late under load", refused);
+  if (!refused.empty())
+    spdlog::warn("NOT REAL-TIME: {}; the 1 kHz loop will be late under load", refused);
 }
 
 void lock_memory() {
@@ -67,8 +69,8 @@ int run(const config::ProcessOptions& options) {
   pace.wakeup_latency = &status.wakeup_latency();
   wire::Loop loop(bus, pace);
   spdlog::info("started clock={} rate_hz={:.0f} domain={}",
-               bus.clock() == wire::ClockMode::kLockstep ? "lockstep" : "realtime", 1.0 / parameters.period,
-               options.domain);
+               bus.clock() == wire::ClockMode::kLockstep ? "lockstep" : "realtime",
+               1.0 / parameters.period, options.domain);
 
   const auto serve = [&] {
     service.count_missed_cycles(loop.missed_cycles());
@@ -111,9 +113,9 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("impedance"));
   try {
     int exit_status = kStopped;
-    const std::optional<config::ProcessOptions> options =
-        config::parse_process_options(argc, argv, "c3rt-impedance", "tracks the planner's plan with the arm at 1 kHz",
-                                      exit_status);
+    const std::optional<config::ProcessOptions> options = config::parse_process_options(
+        argc, argv, "c3rt-impedance", "tracks the planner's plan with the arm at 1 kHz",
+        exit_status);
     return options ? run(*options) : exit_status;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());

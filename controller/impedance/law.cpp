@@ -39,10 +39,12 @@ Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, cons
   Vector6d e_dot = -arm.V_WE;
   e_dot.head<3>() += goal.v_WE;
 
-  const Vector6d wrench = task.Lambda * (gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot));
-  const Vector7d posture = gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
-  return arm.J_WE.transpose() * wrench + arm.coriolis + feed_forward_torque(arm.J_WE, goal.force_E) +
-         task.N * posture;
+  const Vector6d wrench =
+      task.Lambda * (gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot));
+  const Vector7d posture =
+      gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
+  return arm.J_WE.transpose() * wrench + arm.coriolis +
+         feed_forward_torque(arm.J_WE, goal.force_E) + task.N * posture;
 }
 
 }  // namespace c3rt::impedance

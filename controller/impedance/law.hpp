@@ -1,7 +1,9 @@
 #pragma once
-// The operational-space impedance law of the paper's appendix D, eq. (36). Pure functions of the arm's state.
+// The operational-space impedance law of the paper's appendix D, eq. (36). Pure functions of the
+// arm's state.
 //
-//   u = J_f^T Λ [K 0; 0 B] x̃^e + C_f + τ_ff + N_f (K_n (q_d - q) + B_n (q̇_d - q̇))                        (36)
+//   u = J_f^T Λ [K 0; 0 B] x̃^e + C_f + τ_ff + N_f (K_n (q_d - q) + B_n (q̇_d - q̇))
+//
 //   Λ = (J_f M_f⁻¹ J_f^T)⁻¹
 //
 // Gravity is not in it: the robot compensates its own.
@@ -19,8 +21,8 @@ using model::Matrix7d;
 using model::Vector6d;
 using model::Vector7d;
 
-/// K and B of eq. (36). Λ multiplies them, so they are accelerations per error, not N/m: for small errors the closed
-/// loop is ë + B ė + K e = 0 in each coordinate, whatever the arm's posture.
+/// K and B of eq. (36). Λ multiplies them, so they are accelerations per error, not N/m: for small
+/// errors the closed loop is ë + B ė + K e = 0 in each coordinate, whatever the arm's posture.
 struct Gains {
   Vector6d stiffness;           // K, [translation; rotation] [1/s^2]
   Vector6d damping;             // B, [translation; rotation] [1/s]
@@ -31,14 +33,15 @@ struct Gains {
 
 /// What the end effector shall do. Its angular velocity shall be zero.
 struct Goal {
-  Eigen::Vector3d p_WE;    // [m]
-  Eigen::Vector3d v_WE;    // [m/s]
+  Eigen::Vector3d p_WE;  // [m]
+  Eigen::Vector3d v_WE;  // [m/s]
   Eigen::Quaterniond q_WE;
-  Eigen::Vector3d force_E; // λ_d as the force that the contacts exert on the end effector, in W [N]
+  Eigen::Vector3d force_E;  // λ_d as the force of the contacts on the end effector, in W [N]
 };
 
-/// e of x̃^e: [p_d - p; vector part of q_d q⁻¹, taken the short way round], in W. Its rotational part is half the
-/// rotation vector for small angles, so the rotational stiffness per radian is K/2.
+/// e of x̃^e: [p_d - p; vector part of q_d q⁻¹, taken the short way round], in W. Its rotational
+/// part is half the rotation vector for small angles, so the rotational stiffness per radian is
+/// K/2.
 /// RT: no heap, no lock, no throw.
 Vector6d pose_error(const Eigen::Isometry3d& X_WE, const Eigen::Vector3d& p_WE_desired,
                     const Eigen::Quaterniond& q_WE_desired) noexcept;
@@ -46,30 +49,33 @@ Vector6d pose_error(const Eigen::Isometry3d& X_WE, const Eigen::Vector3d& p_WE_d
 /// The arm as the end effector feels it.
 struct TaskInertia {
   Matrix6d Lambda;  // Λ [kg; kg m; kg m^2]
-  Matrix7d N;       // I - J^T J̄^T with J̄ = M⁻¹ J^T Λ: torque N τ moves the joints and not the end effector
+  Matrix7d N;  // I - J^T J̄^T with J̄ = M⁻¹ J^T Λ: N τ moves the joints, not the end effector
 };
 
-/// Λ and N. Where the arm is (nearly) singular, directions in which its inverse inertia J M⁻¹ J^T falls below
-/// kSmallestMobility count with that value, so that Λ stays bounded; N is exact wherever nothing was bounded.
+/// Λ and N. Where the arm is (nearly) singular, directions in which its inverse inertia J M⁻¹ J^T
+/// falls below kSmallestMobility count with that value, so that Λ stays bounded; N is exact
+/// wherever nothing was bounded.
 /// RT: no heap, no lock, no throw.
 TaskInertia task_inertia(const ArmState& arm) noexcept;
 
-/// Smallest eigenvalue of J M⁻¹ J^T that is inverted as it is. In the task's space the arm has values above 0.05; at
-/// 0.005 the apparent inertia is 200 kg, far more than any force of ours should act on.
+/// Smallest eigenvalue of J M⁻¹ J^T that is inverted as it is. Within 0.4 rad of the start posture
+/// all are above 0.07; at 0.005 the apparent inertia is 200 kg, far more than any force of ours
+/// should act on.
 constexpr double kSmallestMobility = 0.005;
 
-/// τ_ff. In (36), τ_ff = J_c^T λ_d is the reaction: the plan's λ_d acts between the ball and the end effector, and J_c
-/// there is the Jacobian of the gap for a force on the ball's side. Here the force is given as what the contacts
-/// exert on the end effector; it adds J^T f to the joints, so the law must cancel it with
+/// τ_ff, in (36) J_c^T λ_d with J_c of the reaction. Here the force f is given as what the contacts
+/// exert on the end effector: it adds J_v^T f to the joints, J_v the linear rows of J. The law
+/// cancels that,
 ///
-///   τ_ff = -J_v^T f                                                          J_v: the linear rows of J
+///   τ_ff = -J_v^T f
 ///
-/// after which the end effector exerts the planned force on the ball without leaving its reference. The line of the
-/// force is taken through E: a contact normal passes there, and a tangential force's lever is the sphere's radius.
+/// and so the end effector exerts the planned force on the ball without leaving its reference. The
+/// force's line is taken through E: the normal's passes there, the friction's lever is the radius.
 /// RT: no heap, no lock, no throw.
 Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept;
 
-/// τ of eq. (36) without gravity; q̇_d^f = 0. [N m] RT: no heap, no lock, no throw.
+/// τ of eq. (36) without gravity; q̇_d^f = 0. [N m]
+/// RT: no heap, no lock, no throw.
 Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
                 const Goal& goal) noexcept;
 

@@ -34,7 +34,8 @@ Limits load_limits(config::Section section) {
   limits.reference_angular_speed = section.number("reference_angular_speed_rad_per_s", {0.01, 5});
   limits.workspace_min = section.numbers("workspace_min_m", 3, {-1.2, 1.2});
   limits.workspace_max = section.numbers("workspace_max_m", 3, {-1.2, 1.2});
-  require_ordered(section, "workspace_min_m", "workspace_max_m", limits.workspace_min, limits.workspace_max);
+  require_ordered(section, "workspace_min_m", "workspace_max_m", limits.workspace_min,
+                  limits.workspace_max);
   limits.tau_max = section.numbers("tau_max_nm", 7, {0.1, 87});
   limits.tau_rate_max = section.number("tau_rate_max_nm_per_s", {1, 1000});
   limits.q_min = section.numbers("q_min_rad", 7, kAngle);

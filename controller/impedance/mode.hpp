@@ -11,19 +11,20 @@ enum class Mode {
 };
 
 struct Health {
-  bool state_seen;    // a robot state has arrived
-  bool state_good;    // it is fresh, finite and within limits
-  bool robot_moves;   // the robot takes commands (no reflex, not stopped by its user)
-  bool plan_good;     // received, of this session, effective, valid, finite
-  bool stop;          // requested
-  bool recover;       // requested
+  bool state_seen;   // a robot state has arrived
+  bool state_good;   // it is fresh, finite and within limits
+  bool robot_moves;  // the robot takes commands (no reflex, not stopped by its user)
+  bool plan_good;    // received, of this session, effective, valid, finite
+  bool stop;         // requested
+  bool recover;      // requested
 };
 
 /// Losing the state or a limit is final until a person says "recover"; losing the plan is not.
 ///
 ///   WAIT ──state──▶ HOLD ◀──plan──▶ TRACK
 ///                     │               │
-///                     └───▶ STOP ◀────┘        STOP ──recover, with a good state──▶ HOLD or TRACK
+///                     └───▶ STOP ◀────┘
+///                            └──recover, with a good state──▶ HOLD or TRACK
 constexpr Mode next(Mode mode, const Health& health) noexcept {
   if (mode == Mode::kWait && !health.state_seen) return Mode::kWait;
   if (health.stop || !health.state_good) return Mode::kStop;

@@ -1,5 +1,6 @@
 #pragma once
-// What a scenario chooses about the impedance controller (section `impedance:`); read by load_parameters.
+// What a scenario chooses about the impedance controller (section `impedance:`); read by
+// load_parameters.
 #include <string>
 
 #include <Eigen/Core>
@@ -11,21 +12,22 @@ namespace c3rt::impedance {
 /// How the reference follows a plan.
 enum class Reference {
   kHold,         // x_d and v_d as they come
-  kInterpolate,  // moves with v_d so as to reach x_d at the plan's time + delta_t_c, then rests there
+  kInterpolate,  // moves with v_d so as to reach x_d at the plan's time + delta_t_c, then rests
+                 // there
 };
 
 struct Limits {
-  double reference_speed;               // of the tracked position [m/s]
-  double reference_angular_speed;       // of the tracked orientation [rad/s]
-  Eigen::Vector3d workspace_min;        // box for the tracked position, in W [m]
+  double reference_speed;          // of the tracked position [m/s]
+  double reference_angular_speed;  // of the tracked orientation [rad/s]
+  Eigen::Vector3d workspace_min;   // box for the tracked position, in W [m]
   Eigen::Vector3d workspace_max;
-  model::Vector7d tau_max;              // [N m]
-  double tau_rate_max;                  // [N m/s]
-  model::Vector7d q_min, q_max;         // outside: stop [rad]
-  model::Vector7d dq_max;               // outside: stop [rad/s]
-  double state_timeout;                 // an older robot state stops the arm for good [s]
-  double plan_timeout;                  // an older plan is not tracked, whatever its valid_until says [s]
-  double stop_damping;                  // of M dq when stopped [1/s]
+  model::Vector7d tau_max;       // [N m]
+  double tau_rate_max;           // [N m/s]
+  model::Vector7d q_min, q_max;  // outside: stop [rad]
+  model::Vector7d dq_max;        // outside: stop [rad/s]
+  double state_timeout;          // an older robot state stops the arm for good [s]
+  double plan_timeout;           // an older plan is not tracked, whatever its valid_until says [s]
+  double stop_damping;           // of M dq when stopped [1/s]
 };
 
 struct Thread {

@@ -16,22 +16,31 @@ constexpr std::uint64_t kCyclesToAnswer = 2;
 
 c3rt_v1_ServiceState state_of(const Snapshot& snapshot) {
   switch (snapshot.mode) {
-    case Mode::kWait: return c3rt_v1_SERVICE_STARTING;
-    case Mode::kTrack: return c3rt_v1_SERVICE_RUNNING;
+    case Mode::kWait:
+      return c3rt_v1_SERVICE_STARTING;
+    case Mode::kTrack:
+      return c3rt_v1_SERVICE_RUNNING;
     case Mode::kHold:
-      return snapshot.plan == PlanVerdict::kNone ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED;
-    case Mode::kStop: break;
+      return snapshot.plan == PlanVerdict::kNone ? c3rt_v1_SERVICE_RUNNING
+                                                 : c3rt_v1_SERVICE_DEGRADED;
+    case Mode::kStop:
+      break;
   }
   return c3rt_v1_SERVICE_DEGRADED;
 }
 
 const char* why_it_holds(PlanVerdict plan) {
   switch (plan) {
-    case PlanVerdict::kGood: return "the robot takes no commands";
-    case PlanVerdict::kNone: return "no plan has arrived";
-    case PlanVerdict::kOtherSession: return "the plan is of another session";
-    case PlanVerdict::kInvalid: return "the plan is not usable (not finite or of unknown status)";
-    case PlanVerdict::kStale: return "the plan is too old";
+    case PlanVerdict::kGood:
+      return "the robot takes no commands";
+    case PlanVerdict::kNone:
+      return "no plan has arrived";
+    case PlanVerdict::kOtherSession:
+      return "the plan is of another session";
+    case PlanVerdict::kInvalid:
+      return "the plan is not usable (not finite or of unknown status)";
+    case PlanVerdict::kStale:
+      return "the plan is too old";
   }
   return "";
 }
@@ -40,12 +49,17 @@ const char* why_it_holds(PlanVerdict plan) {
 
 std::string describe(const Snapshot& snapshot) {
   switch (snapshot.mode) {
-    case Mode::kWait: return "waits for the robot's state";
-    case Mode::kTrack: return "tracks the plan";
-    case Mode::kHold: return std::string("holds its position: ") + why_it_holds(snapshot.plan);
-    case Mode::kStop: break;
+    case Mode::kWait:
+      return "waits for the robot's state";
+    case Mode::kTrack:
+      return "tracks the plan";
+    case Mode::kHold:
+      return std::string("holds its position: ") + why_it_holds(snapshot.plan);
+    case Mode::kStop:
+      break;
   }
-  return std::string("stopped: ") + to_text(snapshot.stop_reason) + "; damps until a recovery is requested";
+  return std::string("stopped: ") + to_text(snapshot.stop_reason) +
+         "; damps until a recovery is requested";
 }
 
 Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
@@ -94,7 +108,9 @@ void Service::take_requests() {
 }
 
 void Service::answer_requests() {
-  const auto seen = [this](const Pending& pending) { return snapshot_.cycle >= pending.cycle + kCyclesToAnswer; };
+  const auto seen = [this](const Pending& pending) {
+    return snapshot_.cycle >= pending.cycle + kCyclesToAnswer;
+  };
   for (const Pending& pending : pending_) {
     if (!seen(pending)) continue;
     const bool stopped = snapshot_.mode == Mode::kStop;
@@ -114,7 +130,8 @@ void Service::take_faults() {
     if (fault.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
     if (fault.kind == c3rt_v1_FAULT_NONE) servo_.end_faults();
     if (!(fault.duration_s > 0.0)) continue;
-    const auto duration_ns = static_cast<std::int64_t>(std::min(fault.duration_s, kLongestFault_s) * 1e9);
+    const auto duration_ns =
+        static_cast<std::int64_t>(std::min(fault.duration_s, kLongestFault_s) * 1e9);
     if (fault.kind == c3rt_v1_FAULT_STALL) servo_.stall(duration_ns);
     if (fault.kind == c3rt_v1_FAULT_NAN) servo_.spoil(duration_ns);
   }

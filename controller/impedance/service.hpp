@@ -13,12 +13,14 @@ namespace c3rt::impedance {
 /// One sentence for a person about what the servo does and why.
 std::string describe(const Snapshot& snapshot);
 
-/// For one thread that is not the servo's; in lockstep there is only one thread, and it polls after each cycle.
+/// For one thread that is not the servo's; in lockstep there is only one thread, and it polls after
+/// each cycle.
 class Service {
  public:
   Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status);
 
-  /// Obeys new requests and faults, answers requests that the servo has seen, and updates the status.
+  /// Obeys new requests and faults, answers requests that the servo has seen, and updates the
+  /// status.
   /// @return true if what there is to say has changed (see text())
   bool poll();
   const std::string& text() const { return text_; }
@@ -45,9 +47,10 @@ class Service {
   Snapshot snapshot_;
   std::string text_;
 
-  std::atomic<std::uint64_t>&missed_cycles_, &stale_plan_events_, &plans_other_session_, &plans_invalid_,
-      &workspace_clamps_, &torque_clamps_, &torque_rate_clamps_, &stops_, &states_lost_, &plans_lost_,
-      &commands_failed_, &state_to_command_p50_, &state_to_command_p99_;
+  std::atomic<std::uint64_t>&missed_cycles_, &stale_plan_events_, &plans_other_session_,
+      &plans_invalid_, &workspace_clamps_, &torque_clamps_, &torque_rate_clamps_, &stops_,
+      &states_lost_, &plans_lost_, &commands_failed_, &state_to_command_p50_,
+      &state_to_command_p99_;
 };
 
 }  // namespace c3rt::impedance

@@ -1,5 +1,6 @@
 #pragma once
-// The loop body of c3rt-impedance: newest samples from the network, one step, command to the network.
+// The loop body of c3rt-impedance: newest samples from the network, one step, command to the
+// network.
 #include <atomic>
 #include <cstdint>
 
@@ -24,14 +25,16 @@ class Servo {
   /// @param compute gets the duration of every cycle
   Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute);
 
-  /// One cycle. In realtime `now_ns` only paces; the step's time is read after the samples, so that none of them lies
-  /// in its future. RT (realtime): no heap, no lock, no throw.
+  /// One cycle. In realtime `now_ns` only paces; the step's time is read after the samples, so that
+  /// none of them lies in its future. RT (realtime): no heap, no lock, no throw.
   void cycle(std::int64_t now_ns) noexcept;
 
   // from any thread; they act in the next cycle
   void stop() noexcept { stop_.store(true); }
   void recover() noexcept { recover_.store(true); }
-  void stall(std::int64_t duration_ns) noexcept { stall_ns_.store(duration_ns); }  // takes and sends nothing
+  void stall(std::int64_t duration_ns) noexcept {
+    stall_ns_.store(duration_ns);
+  }  // takes and sends nothing
   void spoil(std::int64_t duration_ns) noexcept { spoil_ns_.store(duration_ns); }  // sends NaN
   void end_faults() noexcept;
 

@@ -108,7 +108,7 @@ TEST_CASE("mode: every mode and every health has the successor that the rules sa
   // written out once more from the rules, in another order than the code's
   for (const Mode mode : {Mode::kWait, Mode::kHold, Mode::kTrack, Mode::kStop}) {
     for (int bits = 0; bits < 64; ++bits) {
-      const Health h{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
+      const Health h{(bits & 1) != 0, (bits & 2) != 0,  (bits & 4) != 0,
                      (bits & 8) != 0, (bits & 16) != 0, (bits & 32) != 0};
       const Mode after = next(mode, h);
       CAPTURE(static_cast<int>(mode), bits, static_cast<int>(after));
@@ -132,7 +132,9 @@ TEST_CASE("controller: it waits until a robot state was seen, even with a plan a
   CHECK(output.tau == Vector7d::Zero());
 }
 
-TEST_CASE("controller: without any plan it holds the pose in which it found the arm, and comes back to it") {
+TEST_CASE(
+    "controller: without any plan it holds the pose in which it found the arm, and comes back to "
+    "it") {
   Loop loop(parameters());
   for (int k = 1; k <= 200; ++k) REQUIRE(loop.step(at(k * kMs)).mode == Mode::kHold);
   // a push of 8 N for 100 ms
@@ -164,7 +166,8 @@ TEST_CASE("controller: it reaches a plan's position and orientation") {
 }
 
 TEST_CASE("controller: it follows a point that moves at 0.1 m/s to within half a millimetre") {
-  // e settles where K e + B e' = acceleration of the reference - J' dq, here of the order of 0.05 m/s^2: 0.1 mm
+  // e settles where K e + B e' = acceleration of the reference - J' dq, here of the order of 0.05
+  // m/s^2: 0.1 mm
   for (const Reference reference : {Reference::kHold, Reference::kInterpolate}) {
     Parameters p = parameters();
     p.reference = reference;
@@ -188,7 +191,9 @@ TEST_CASE("controller: it follows a point that moves at 0.1 m/s to within half a
   }
 }
 
-TEST_CASE("controller: interpolation moves with v_d to x_d at the plan's time + delta_t_c and rests there") {
+TEST_CASE(
+    "controller: interpolation moves with v_d to x_d at the plan's time + delta_t_c and rests "
+    "there") {
   Parameters p = parameters();
   p.reference = Reference::kInterpolate;
   Controller controller = make(p);
@@ -227,7 +232,9 @@ TEST_CASE("controller: a stale plan makes it hold where it is and say so; a new 
   CHECK(controller.step(with_plan(300 * kMs, goal)).mode == Mode::kTrack);
 }
 
-TEST_CASE("controller: a plan older than the controller's own limit is stale, whatever its valid_until says") {
+TEST_CASE(
+    "controller: a plan older than the controller's own limit is stale, whatever its valid_until "
+    "says") {
   Controller controller = make(parameters());
   Input input = at(301 * kMs);
   give_plan(input, kStart, 100 * kMs);
@@ -265,14 +272,16 @@ TEST_CASE("controller: the orientation to track turns at most at its limit") {
   CHECK(before.angularDistance(tilted) < 1e-7);
 }
 
-TEST_CASE("controller: it never acts on a plan of another session or on one that was never received") {
+TEST_CASE(
+    "controller: it never acts on a plan of another session or on one that was never received") {
   Controller controller = make(parameters());
   Input never = with_plan(kMs, kStart + Vector3d(0, 0.1, 0));
   never.has_plan = false;
   CHECK(controller.step(never).mode == Mode::kHold);
 
   for (const std::uint64_t session : {kSession - 1, kSession + 1, std::uint64_t{0}}) {
-    Input input = with_plan(static_cast<std::int64_t>(2 + session) * kMs, kStart + Vector3d(0, 0.1, 0));
+    Input input =
+        with_plan(static_cast<std::int64_t>(2 + session) * kMs, kStart + Vector3d(0, 0.1, 0));
     input.plan.session_id = session;
     const Output output = controller.step(input);
     CHECK(output.mode == Mode::kHold);
@@ -283,7 +292,9 @@ TEST_CASE("controller: it never acts on a plan of another session or on one that
   CHECK(controller.step(with_plan(101 * kMs)).mode == Mode::kTrack);
 }
 
-TEST_CASE("controller: a plan with NaN, an unknown status or no orientation is refused and counted once") {
+TEST_CASE(
+    "controller: a plan with NaN, an unknown status or no orientation is refused and counted "
+    "once") {
   const auto refused = [](auto&& spoil) {
     Controller controller = make(parameters());
     controller.step(with_plan(kMs));
@@ -292,7 +303,8 @@ TEST_CASE("controller: a plan with NaN, an unknown status or no orientation is r
     Output output = controller.step(input);
     input.now_ns = input.state_stamp_ns = 3 * kMs;
     output = controller.step(input);  // the same plan again
-    return output.mode == Mode::kHold && output.tau.allFinite() && output.counters.plans_invalid == 1;
+    return output.mode == Mode::kHold && output.tau.allFinite() &&
+           output.counters.plans_invalid == 1;
   };
   CHECK(refused([](Plan& plan) { plan.p_WE.y() = kNan; }));
   CHECK(refused([](Plan& plan) { plan.v_WE.z() = kNan; }));
@@ -320,7 +332,9 @@ TEST_CASE("controller: a truncated plan is a plan; a fallback is tracked without
   CHECK((ok - first_torque(PlanStatus::kFallback)).norm() > 0.01);
 }
 
-TEST_CASE("controller: feed-forward is -J_v^T f, can be switched off, and ignores what is below the threshold") {
+TEST_CASE(
+    "controller: feed-forward is -J_v^T f, can be switched off, and ignores what is below the "
+    "threshold") {
   const auto first_torque = [](bool on, const Vector3d& force) {
     Parameters p = parameters();
     p.feed_forward = on;
@@ -352,7 +366,8 @@ TEST_CASE("controller: a plan outside the workspace is tracked at the box's wall
   CHECK(output.counters.workspace_clamps == 500);
 }
 
-TEST_CASE("controller: a stale, not finite or forbidden robot state stops it until a person recovers") {
+TEST_CASE(
+    "controller: a stale, not finite or forbidden robot state stops it until a person recovers") {
   const auto stops = [](auto&& spoil, StopReason reason) {
     Controller controller = make(parameters());
     controller.step(with_plan(kMs));
@@ -392,7 +407,9 @@ TEST_CASE("controller: a stale, not finite or forbidden robot state stops it unt
   stops([](Input& input) { input.stop = true; }, StopReason::kRequested);
 }
 
-TEST_CASE("controller: a pause of the whole machine, after which one old state is at hand, is no reason to stop") {
+TEST_CASE(
+    "controller: a pause of the whole machine, after which one old state is at hand, is no reason "
+    "to stop") {
   Controller controller = make(parameters());
   Input input = with_plan(kMs);
   controller.step(input);
@@ -413,7 +430,8 @@ TEST_CASE("controller: a stop brakes the moving arm, with or without a plan") {
   Input stop = with_plan(201 * kMs, kStart);
   stop.stop = true;
   REQUIRE(loop.step(stop).mode == Mode::kStop);
-  for (int k = 202; k <= 700; ++k) REQUIRE(loop.step(with_plan(k * kMs, kStart)).mode == Mode::kStop);
+  for (int k = 202; k <= 700; ++k)
+    REQUIRE(loop.step(with_plan(k * kMs, kStart)).mode == Mode::kStop);
   // 0.5 s at 10 / s: exp(-2 * 5) of the energy is left, plus what the torque's ramp cost
   CHECK(loop.dq.dot(loop.state.M * loop.dq) < 1e-3 * energy);
 }
@@ -421,7 +439,8 @@ TEST_CASE("controller: a stop brakes the moving arm, with or without a plan") {
 TEST_CASE("controller: without a usable state the torque fades to zero") {
   Controller controller = make(parameters());
   Output output{};
-  for (int k = 1; k <= 100; ++k) output = controller.step(with_plan(k * kMs, kStart + Vector3d(0.05, 0, 0.1)));
+  for (int k = 1; k <= 100; ++k)
+    output = controller.step(with_plan(k * kMs, kStart + Vector3d(0.05, 0, 0.1)));
   REQUIRE(output.tau.norm() > 5);
   Input stale = with_plan(300 * kMs);
   stale.state_stamp_ns = 100 * kMs;
@@ -436,7 +455,8 @@ TEST_CASE("controller: without a usable state the torque fades to zero") {
   CHECK(output.tau == Vector7d::Zero());
 }
 
-TEST_CASE("controller: while the robot takes no commands the pose to hold goes where the robot is") {
+TEST_CASE(
+    "controller: while the robot takes no commands the pose to hold goes where the robot is") {
   Controller controller = make(parameters());
   Input input = with_plan(kMs);
   input.robot_moves = false;
@@ -495,7 +515,8 @@ TEST_CASE("controller: whatever numbers arrive, the torque is finite and within 
 TEST_CASE("controller: the same inputs give the same bits") {
   Controller first = make(parameters()), second = make(parameters());
   for (int k = 1; k < 200; ++k) {
-    const Input input = with_plan(k * kMs, kStart + Vector3d(0.01 * std::sin(0.1 * k), 0.001 * k, 0));
+    const Input input =
+        with_plan(k * kMs, kStart + Vector3d(0.01 * std::sin(0.1 * k), 0.001 * k, 0));
     REQUIRE(first.step(input).tau == second.step(input).tau);
   }
 }

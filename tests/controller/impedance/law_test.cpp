@@ -15,14 +15,17 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kStiffness = 500, kDamping = 44.72, kStiffnessRotation = 900, kDampingRotation = 42.43;
+constexpr double kStiffness = 500, kDamping = 44.72, kStiffnessRotation = 900,
+                 kDampingRotation = 42.43;
 
 const Vector7d kStart = (Vector7d() << 0, 0.275, 0, -2.222, 0, 2.497, 0).finished();
 
 Gains paper_gains() {
   Gains gains;
-  gains.stiffness << kStiffness, kStiffness, kStiffness, kStiffnessRotation, kStiffnessRotation, kStiffnessRotation;
-  gains.damping << kDamping, kDamping, kDamping, kDampingRotation, kDampingRotation, kDampingRotation;
+  gains.stiffness << kStiffness, kStiffness, kStiffness, kStiffnessRotation, kStiffnessRotation,
+      kStiffnessRotation;
+  gains.damping << kDamping, kDamping, kDamping, kDampingRotation, kDampingRotation,
+      kDampingRotation;
   gains.null_space_stiffness = 4;
   gains.null_space_damping = 4;
   gains.null_space_q << 0, 0.361, 0, -2.223, 0, 2.584, 0;
@@ -47,9 +50,13 @@ Goal goal_at(const Eigen::Isometry3d& X_WE) {
 }
 
 /// Joint accelerations of the arm under a torque that the robot adds its gravity compensation to.
-Vector7d acceleration(const ArmState& arm, const Vector7d& tau) { return arm.M.llt().solve(tau - arm.coriolis); }
+Vector7d acceleration(const ArmState& arm, const Vector7d& tau) {
+  return arm.M.llt().solve(tau - arm.coriolis);
+}
 
-TEST_CASE("law: the end effector accelerates by K e + B e', whatever the posture and the null-space torque") {
+TEST_CASE(
+    "law: the end effector accelerates by K e + B e', whatever the posture and the null-space "
+    "torque") {
   model::Arm arm(model::panda_urdf_path());
   Postures random;
   ArmState state;
@@ -60,20 +67,22 @@ TEST_CASE("law: the end effector accelerates by K e + B e', whatever the posture
     Goal goal = goal_at(state.X_WE);
     goal.p_WE += 0.02 * random.noise().head<3>();
     goal.v_WE = random.noise().head<3>();
-    goal.q_WE = Quaterniond(Eigen::AngleAxisd(0.3, random.noise().head<3>().normalized())) * goal.q_WE;
+    goal.q_WE =
+        Quaterniond(Eigen::AngleAxisd(0.3, random.noise().head<3>().normalized())) * goal.q_WE;
 
     Vector6d e_dot = -state.V_WE;
     e_dot.head<3>() += goal.v_WE;
-    const Vector6d expected = gains.stiffness.cwiseProduct(pose_error(state.X_WE, goal.p_WE, goal.q_WE)) +
-                              gains.damping.cwiseProduct(e_dot);
+    const Vector6d expected =
+        gains.stiffness.cwiseProduct(pose_error(state.X_WE, goal.p_WE, goal.q_WE)) +
+        gains.damping.cwiseProduct(e_dot);
     const Vector6d achieved = state.J_WE * acceleration(state, torque(gains, state, q, dq, goal));
     CHECK((achieved - expected).norm() < 1e-9 * (1 + expected.norm()));
   }
 }
 
 TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
-  // critically damped in translation: e(t) = e_0 (1 + w t) exp(-w t) with w = B/2; 1 mm keeps the terms of second
-  // order (J' dq, which (36) leaves out) below 1 % of e_0
+  // critically damped in translation: e(t) = e_0 (1 + w t) exp(-w t) with w = B/2; 1 mm keeps the
+  // terms of second order (J' dq, which (36) leaves out) below 1 % of e_0
   model::Arm arm(model::panda_urdf_path());
   ArmState state;
   const Gains gains = paper_gains();
@@ -101,7 +110,8 @@ TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
 }
 
 TEST_CASE("law: a small rotation dies out with half the rotational stiffness") {
-  // the vector part of a quaternion is half the angle: a'' + B a' + K/2 a = 0, here critically damped
+  // the vector part of a quaternion is half the angle: a'' + B a' + K/2 a = 0, here critically
+  // damped
   model::Arm arm(model::panda_urdf_path());
   ArmState state;
   const Gains gains = paper_gains();
@@ -137,8 +147,10 @@ TEST_CASE("law: null-space torque moves the joints and not the end effector") {
   }
 }
 
-/// At the goal's pose and without K_n only the damping acts beside C_f, which is no damping and is taken out.
-double damping_power(const Gains& gains, const ArmState& state, const Vector7d& q, const Vector7d& dq) {
+/// At the goal's pose and without K_n only the damping acts beside C_f, which is no damping and is
+/// taken out.
+double damping_power(const Gains& gains, const ArmState& state, const Vector7d& q,
+                     const Vector7d& dq) {
   return dq.dot(torque(gains, state, q, dq, goal_at(state.X_WE)) - state.coriolis);
 }
 
@@ -156,7 +168,8 @@ TEST_CASE("law: the task's damping never feeds energy into the arm") {
   }
 }
 
-TEST_CASE("law: the null-space damping slows every motion that leaves the end effector where it is") {
+TEST_CASE(
+    "law: the null-space damping slows every motion that leaves the end effector where it is") {
   model::Arm arm(model::panda_urdf_path());
   Postures random;
   ArmState state;
@@ -168,11 +181,13 @@ TEST_CASE("law: the null-space damping slows every motion that leaves the end ef
     const Vector7d dq = task_inertia(state).N.transpose() * random.noise();
     arm.update(q, dq, state);
     REQUIRE(state.V_WE.norm() < 1e-9);
-    CHECK(damping_power(gains, state, q, dq) == Approx(-gains.null_space_damping * dq.squaredNorm()));
+    CHECK(damping_power(gains, state, q, dq) ==
+          Approx(-gains.null_space_damping * dq.squaredNorm()));
   }
 }
 
-TEST_CASE("law: with the planned contact force present, feed-forward keeps the end effector at rest") {
+TEST_CASE(
+    "law: with the planned contact force present, feed-forward keeps the end effector at rest") {
   // statics: M ddq = tau + J_v^T f = 0 at the goal
   model::Arm arm(model::panda_urdf_path());
   ArmState state;
@@ -184,7 +199,8 @@ TEST_CASE("law: with the planned contact force present, feed-forward keeps the e
 
   Goal goal = goal_at(state.X_WE);
   const Vector7d without = torque(gains, state, q, Vector7d::Zero(), goal) + contact;
-  CHECK((state.J_WE * acceleration(state, without)).head<3>().dot(force) > 0.1);  // it is pushed back
+  CHECK((state.J_WE * acceleration(state, without)).head<3>().dot(force) >
+        0.1);  // it is pushed back
 
   goal.force_E = force;
   const Vector7d with = torque(gains, state, q, Vector7d::Zero(), goal) + contact;
@@ -211,7 +227,8 @@ TEST_CASE("law: a stretched arm asks for bounded torque") {
   arm.update(q, Vector7d::Zero(), state);
   const TaskInertia task = task_inertia(state);
   CHECK(task.Lambda.allFinite());
-  CHECK(Eigen::SelfAdjointEigenSolver<Matrix6d>(task.Lambda).eigenvalues().maxCoeff() <= 1.0001 / kSmallestMobility);
+  CHECK(Eigen::SelfAdjointEigenSolver<Matrix6d>(task.Lambda).eigenvalues().maxCoeff() <=
+        1.0001 / kSmallestMobility);
   Goal goal = goal_at(state.X_WE);
   goal.p_WE *= 1.05;
   CHECK(torque(paper_gains(), state, q, Vector7d::Zero(), goal).norm() < 2000);

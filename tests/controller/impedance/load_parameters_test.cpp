@@ -15,7 +15,9 @@ Parameters load_with(const std::vector<std::string>& overrides) {
   return load_parameters(scenario.section("impedance"));
 }
 
-TEST_CASE("impedance parameters: the shipped scenario holds the robot's limits and what the law's names say") {
+TEST_CASE(
+    "impedance parameters: the shipped scenario holds the robot's limits and what the law's names "
+    "say") {
   const Parameters p = load_with({"impedance.gains.stiffness_translation_per_s2=400",
                                   "impedance.gains.stiffness_rotation_per_s2=800",
                                   "impedance.gains.damping_translation_per_s=40",
@@ -31,7 +33,9 @@ TEST_CASE("impedance parameters: the shipped scenario holds the robot's limits a
   CHECK((p.gains.null_space_q.array() < p.limits.q_max.array()).all());
 }
 
-TEST_CASE("impedance parameters: the reference is one of two, the feed-forward on or off, the model one's own") {
+TEST_CASE(
+    "impedance parameters: the reference is one of two, the feed-forward on or off, the model "
+    "one's own") {
   CHECK(load_with({"impedance.reference=hold"}).reference == Reference::kHold);
   CHECK(load_with({"impedance.reference=interpolate"}).reference == Reference::kInterpolate);
   CHECK(load_with({"impedance.feed_forward=true"}).feed_forward);
@@ -42,10 +46,12 @@ TEST_CASE("impedance parameters: the reference is one of two, the feed-forward o
 }
 
 TEST_CASE("impedance parameters: a value out of range or a box inside out is refused by its key") {
-  CHECK_THROWS_WITH(load_with({"impedance.limits.tau_rate_max_nm_per_s=2000"}),
-                    Catch::Contains("impedance.limits.tau_rate_max_nm_per_s") && Catch::Contains("1000"));
-  CHECK_THROWS_WITH(load_with({"impedance.limits.workspace_max_m=[0.8, -0.4, 0.4]"}),
-                    Catch::Contains("impedance.limits.workspace_max_m") && Catch::Contains("workspace_min_m"));
+  CHECK_THROWS_WITH(
+      load_with({"impedance.limits.tau_rate_max_nm_per_s=2000"}),
+      Catch::Contains("impedance.limits.tau_rate_max_nm_per_s") && Catch::Contains("1000"));
+  CHECK_THROWS_WITH(
+      load_with({"impedance.limits.workspace_max_m=[0.8, -0.4, 0.4]"}),
+      Catch::Contains("impedance.limits.workspace_max_m") && Catch::Contains("workspace_min_m"));
   CHECK_THROWS_WITH(load_with({"impedance.gains.q_null_space_rad=[0, 0]"}),
                     Catch::Contains("impedance.gains.q_null_space_rad"));
 }

@@ -1,4 +1,6 @@
 // The process c3rt-impedance on a real bus, with this test as its plant and planner.
+#include "idl/process.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -13,7 +15,6 @@
 #include <unistd.h>
 
 #include "controller/model/arm.hpp"
-#include "idl/process.hpp"
 #include "tests/idl/bus_fixture.hpp"
 
 extern char** environ;
@@ -33,8 +34,11 @@ const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_sl
 class Child {
  public:
   explicit Child(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {C3RT_BINARY_DIRECTORY "/bin/c3rt-impedance", kScenario, "--domain",
-                                          std::to_string(kDomain), "--dds-profile",
+    std::vector<std::string> arguments = {C3RT_BINARY_DIRECTORY "/bin/c3rt-impedance",
+                                          kScenario,
+                                          "--domain",
+                                          std::to_string(kDomain),
+                                          "--dds-profile",
                                           C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     std::vector<char*> argv;
@@ -62,7 +66,8 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// The exact arm under the commands of a lockstep run, and a planner that leads it along a circle of 0.05 m at 75 Hz.
+/// The exact arm under the commands of a lockstep run, and a planner that leads it along a circle
+/// of 0.05 m at 75 Hz.
 class Run {
  public:
   explicit Run(const std::vector<std::string>& more)
@@ -103,7 +108,9 @@ class Run {
   }
 
   double tracking_error() const {
-    return (Eigen::Map<const Eigen::Vector3d>(command_.p_WE_desired_m) - arm_state_.X_WE.translation()).norm();
+    return (Eigen::Map<const Eigen::Vector3d>(command_.p_WE_desired_m) -
+            arm_state_.X_WE.translation())
+        .norm();
   }
   double distance_to_circle() const {
     const Eigen::Vector3d r = arm_state_.X_WE.translation() - center_;
@@ -125,7 +132,8 @@ class Run {
     const double t = static_cast<double>(now_ns_ + kPlanPeriod) * 1e-9, angle = kRate * t;
     wire::Plan plan{};
     plan.valid_until_ns = now_ns_ + 100 * kMs;
-    const Eigen::Vector3d p = center_ + kRadius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+    const Eigen::Vector3d p =
+        center_ + kRadius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
     Eigen::Map<Eigen::Vector3d>{plan.p_WE_desired_m} = p;
     Eigen::Map<Eigen::Vector3d>{plan.v_WE_desired_m_per_s} =
         kRate * kRadius * Eigen::Vector3d(-std::sin(angle), std::cos(angle), 0);
@@ -149,7 +157,9 @@ class Run {
   std::vector<Vector7d> torques_;
 };
 
-TEST_CASE("c3rt-impedance: in lockstep it leads the arm round a circle within 2 mm, and holds when plans end") {
+TEST_CASE(
+    "c3rt-impedance: in lockstep it leads the arm round a circle within 2 mm, and holds when plans "
+    "end") {
   Run run({"--clock", "lockstep", "--set", "impedance.reference=interpolate"});
   double worst_error = 0, worst_distance = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -158,7 +168,8 @@ TEST_CASE("c3rt-impedance: in lockstep it leads the arm round a circle within 2 
     worst_error = std::max(worst_error, run.tracking_error());
     worst_distance = std::max(worst_distance, run.distance_to_circle());
   }
-  // the law leaves out the reference's acceleration: e = a / K = 0.05 m * (2 rad/s)^2 / 500 = 0.4 mm
+  // the law leaves out the reference's acceleration: e = a / K = 0.05 m * (2 rad/s)^2 / 500 = 0.4
+  // mm
   CHECK(worst_error < 2e-3);
   CHECK(worst_distance < 2e-3);
   CHECK(run.command().mode == c3rt_v1_IMPEDANCE_TRACK);
@@ -187,7 +198,9 @@ TEST_CASE("c3rt-impedance: two lockstep runs give the same torques to the bit") 
   CHECK(first == torques());
 }
 
-TEST_CASE("c3rt-impedance: in realtime it commands the robot, says what it does and ends on SIGTERM with 0") {
+TEST_CASE(
+    "c3rt-impedance: in realtime it commands the robot, says what it does and ends on SIGTERM with "
+    "0") {
   Child child({"--clock", "realtime"});
   wire::Bus bus(wire::test::settings(wire::ClockMode::kRealtime, wire::draw_session()));
   wire::Writer<wire::RobotState> states(bus);

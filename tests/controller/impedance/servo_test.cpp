@@ -1,12 +1,11 @@
 #include "controller/impedance/servo.hpp"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <cmath>
 #include <thread>
 
 #include <catch2/catch.hpp>
+#include <unistd.h>
 
 #include "controller/impedance/load_parameters.hpp"
 #include "controller/impedance/service.hpp"
@@ -52,7 +51,11 @@ wire::Plan plan(std::int64_t now_ns) {
 
 /// The robot and the planner of a session, as far as the impedance process sees them.
 struct World {
-  World() : bus(wire::test::settings(wire::ClockMode::kRealtime, kSession)), states(bus), plans(bus), commands(bus) {}
+  World()
+      : bus(wire::test::settings(wire::ClockMode::kRealtime, kSession)),
+        states(bus),
+        plans(bus),
+        commands(bus) {}
   void write_state() {
     const std::int64_t now_ns = rt::now_ns();
     wire::RobotState state = robot_state(now_ns);
@@ -82,7 +85,9 @@ struct Process {
   Service service;
 };
 
-TEST_CASE("servo: from network to network a cycle does not allocate, and every command answers its state") {
+TEST_CASE(
+    "servo: from network to network a cycle does not allocate, and every command answers its "
+    "state") {
   World world;
   Process process(wire::test::settings());
   std::atomic<bool> running{true};
@@ -122,7 +127,8 @@ TEST_CASE("servo: from network to network a cycle does not allocate, and every c
   CHECK(command.origin.state_ns > 0);
   CHECK(command.header.time_ns >= command.origin.state_ns);
   CHECK(command.origin.plan_ns > 0);
-  CHECK(command.origin.exposure_ns == command.origin.plan_ns - 5);  // handed on from the plan's own origin
+  CHECK(command.origin.exposure_ns ==
+        command.origin.plan_ns - 5);  // handed on from the plan's own origin
   CHECK(command.mode == c3rt_v1_IMPEDANCE_TRACK);
   CHECK(command.p_WE_desired_m[2] == Approx(0.12));
 }
@@ -130,7 +136,8 @@ TEST_CASE("servo: from network to network a cycle does not allocate, and every c
 TEST_CASE("servo: it sends nothing before it has seen the robot") {
   World world;
   Process process(wire::test::settings());
-  REQUIRE(eventually([&] { return world.plans.matched_readers() > 0 && world.commands.matched_writers() > 0; }));
+  REQUIRE(eventually(
+      [&] { return world.plans.matched_readers() > 0 && world.commands.matched_writers() > 0; }));
   for (int k = 0; k < 100; ++k) {
     world.write_plan();
     process.servo.cycle(rt::now_ns());
@@ -153,13 +160,16 @@ bool drive(World& world, Process& process, const Condition& condition) {
   });
 }
 
-TEST_CASE("service: a person's stop and recovery are obeyed and answered, with the reason in the status") {
+TEST_CASE(
+    "service: a person's stop and recovery are obeyed and answered, with the reason in the "
+    "status") {
   World world;
   Process process(wire::test::settings());
   wire::Writer<wire::ServiceRequest> requests(world.bus);
   wire::Reader<wire::ServiceReply> replies(world.bus);
-  REQUIRE(drive(world, process,
-                [&] { return process.service.text() == "holds its position: no plan has arrived"; }));
+  REQUIRE(drive(world, process, [&] {
+    return process.service.text() == "holds its position: no plan has arrived";
+  }));
 
   const auto ask = [&](std::uint64_t id, c3rt_v1_RequestVerb verb) {
     wire::ServiceRequest request{};
@@ -174,12 +184,14 @@ TEST_CASE("service: a person's stop and recovery are obeyed and answered, with t
     CHECK(reply.ok);
   };
   ask(1, c3rt_v1_REQUEST_STOP);
-  CHECK(process.service.text() == "stopped: a stop was requested; damps until a recovery is requested");
+  CHECK(process.service.text() ==
+        "stopped: a stop was requested; damps until a recovery is requested");
   ask(2, c3rt_v1_REQUEST_RECOVER);
   CHECK(process.service.text() == "holds its position: no plan has arrived");
 }
 
-TEST_CASE("service: an injected NaN reaches the command and ends; a stalled process sends nothing") {
+TEST_CASE(
+    "service: an injected NaN reaches the command and ends; a stalled process sends nothing") {
   World world;
   Process process(wire::test::settings());
   wire::Writer<wire::FaultInject> faults(world.bus);
@@ -192,11 +204,15 @@ TEST_CASE("service: an injected NaN reaches the command and ends; a stalled proc
   fault.kind = c3rt_v1_FAULT_NAN;
   fault.duration_s = 1000;
   faults.write(fault, rt::now_ns());
-  const auto newest_is_nan = [&] { return world.commands.take_newest(command) && std::isnan(command.tau_nm[0]); };
+  const auto newest_is_nan = [&] {
+    return world.commands.take_newest(command) && std::isnan(command.tau_nm[0]);
+  };
   CHECK(drive(world, process, newest_is_nan));
   fault.kind = c3rt_v1_FAULT_NONE;
   faults.write(fault, rt::now_ns());
-  CHECK(drive(world, process, [&] { return world.commands.take_newest(command) && std::isfinite(command.tau_nm[0]); }));
+  CHECK(drive(world, process, [&] {
+    return world.commands.take_newest(command) && std::isfinite(command.tau_nm[0]);
+  }));
 
   fault.kind = c3rt_v1_FAULT_STALL;
   faults.write(fault, rt::now_ns());
@@ -208,14 +224,16 @@ TEST_CASE("service: an injected NaN reaches the command and ends; a stalled proc
   }));
 }
 
-TEST_CASE("servo: in lockstep a plan counts from its stamp on and a cycle answers the tick's own state") {
+TEST_CASE(
+    "servo: in lockstep a plan counts from its stamp on and a cycle answers the tick's own state") {
   wire::Bus bus(wire::test::settings(wire::ClockMode::kLockstep, kSession));
   wire::Writer<wire::RobotState> states(bus);
   wire::Writer<wire::Plan> plans(bus);
   wire::Reader<wire::RobotCommand> commands(bus);
   Process process(wire::test::settings(wire::ClockMode::kLockstep, kSession));
   REQUIRE(eventually([&] {
-    return states.matched_readers() > 0 && plans.matched_readers() > 0 && commands.matched_writers() > 0;
+    return states.matched_readers() > 0 && plans.matched_readers() > 0 &&
+           commands.matched_writers() > 0;
   }));
   wire::Plan later = plan(5 * kMs);  // on its way: takes effect at 5 ms
   plans.write(later, 5 * kMs);
@@ -248,7 +266,8 @@ TEST_CASE("service: every mode and verdict has its sentence") {
   CHECK(describe(snapshot) == "tracks the plan");
   snapshot.mode = Mode::kStop;
   snapshot.stop_reason = StopReason::kStateStale;
-  CHECK(describe(snapshot) == "stopped: the robot state is stale; damps until a recovery is requested");
+  CHECK(describe(snapshot) ==
+        "stopped: the robot state is stale; damps until a recovery is requested");
 }
 
 }  // namespace

@@ -17,33 +17,36 @@ using Eigen::Vector3d;
 
 Arm panda() { return Arm(panda_urdf_path()); }
 
-/// The arm once more from the URDF's numbers, by the definitions: frames multiplied out, M from the links' kinetic
-/// energies, gravity from their heights. Shares no code with Pinocchio.
+/// The arm once more from the URDF's numbers, by the definitions: frames multiplied out, M from the
+/// links' kinetic energies, gravity from their heights. Shares no code with Pinocchio.
 struct Link {
-  double roll, x, y, z;  // of the joint's origin in the link before
-  double mass;
-  Vector3d com;
-  double ixx, ixy, ixz, iyy, iyz, izz;  // about the centre of mass
+  double roll;                  // of the joint's origin in the link before [rad]
+  Vector3d p;                   // of the same [m]
+  double mass;                  // [kg]
+  Vector3d com;                 // [m]
+  Vector3d xx_xy_xz, yy_yz_zz;  // inertia about the centre of mass [kg m^2]
 };
 
 constexpr double kQuarter = M_PI / 2;
 
+// clang-format off
 const Link kLinks[7] = {
-    {0, 0, 0, 0.333, 4.970684, {0.003875, 0.002081, -0.04762}, 0.70337, -0.000139, 0.006772, 0.70661, 0.019169,
-     0.009117},
-    {-kQuarter, 0, 0, 0, 0.646926, {-0.003141, -0.02872, 0.003495}, 0.007962, -0.003925, 0.010254, 0.02811, 0.000704,
-     0.025995},
-    {kQuarter, 0, -0.316, 0, 3.228604, {0.027518, 0.039252, -0.066502}, 0.037242, -0.004761, -0.011396, 0.036155,
-     -0.012805, 0.01083},
-    {kQuarter, 0.0825, 0, 0, 3.587895, {-0.05317, 0.104419, 0.027454}, 0.025853, 0.007796, -0.001332, 0.019552,
-     0.008641, 0.028323},
-    {-kQuarter, -0.0825, 0.384, 0, 1.225946, {-0.011953, 0.041065, -0.038437}, 0.035549, -0.002117, -0.004037,
-     0.029474, 0.000229, 0.008627},
-    {kQuarter, 0, 0, 0, 1.666555, {0.060149, -0.014117, -0.010517}, 0.001964, 0.000109, -0.001158, 0.004354, 0.000341,
-     0.005433},
-    {kQuarter, 0.088, 0, 0, 0.735522, {0.010517, -0.004252, 0.061597}, 0.012516, -0.000428, -0.001196, 0.010027,
-     -0.000741, 0.004815},
+    {0, {0, 0, 0.333}, 4.970684, {0.003875, 0.002081, -0.04762},
+     {0.70337, -0.000139, 0.006772}, {0.70661, 0.019169, 0.009117}},
+    {-kQuarter, {0, 0, 0}, 0.646926, {-0.003141, -0.02872, 0.003495},
+     {0.007962, -0.003925, 0.010254}, {0.02811, 0.000704, 0.025995}},
+    {kQuarter, {0, -0.316, 0}, 3.228604, {0.027518, 0.039252, -0.066502},
+     {0.037242, -0.004761, -0.011396}, {0.036155, -0.012805, 0.01083}},
+    {kQuarter, {0.0825, 0, 0}, 3.587895, {-0.05317, 0.104419, 0.027454},
+     {0.025853, 0.007796, -0.001332}, {0.019552, 0.008641, 0.028323}},
+    {-kQuarter, {-0.0825, 0.384, 0}, 1.225946, {-0.011953, 0.041065, -0.038437},
+     {0.035549, -0.002117, -0.004037}, {0.029474, 0.000229, 0.008627}},
+    {kQuarter, {0, 0, 0}, 1.666555, {0.060149, -0.014117, -0.010517},
+     {0.001964, 0.000109, -0.001158}, {0.004354, 0.000341, 0.005433}},
+    {kQuarter, {0.088, 0, 0}, 0.735522, {0.010517, -0.004252, 0.061597},
+     {0.012516, -0.000428, -0.001196}, {0.010027, -0.000741, 0.004815}},
 };
+// clang-format on
 
 struct Definition {
   Matrix7d M = Matrix7d::Zero();
@@ -69,12 +72,13 @@ Definition by_definition(const Vector7d& q) {
   };
   for (int i = 0; i < 7; ++i) {
     const Link& link = kLinks[i];
-    X = X * Eigen::Translation3d(link.x, link.y, link.z) * Eigen::AngleAxisd(link.roll, Vector3d::UnitX());
+    X = X * Eigen::Translation3d(link.p) * Eigen::AngleAxisd(link.roll, Vector3d::UnitX());
     axis[i] = X.linear().col(2);
     origin[i] = X.translation();
     X = X * Eigen::AngleAxisd(q[i], Vector3d::UnitZ());
     Matrix3d I;
-    I << link.ixx, link.ixy, link.ixz, link.ixy, link.iyy, link.iyz, link.ixz, link.iyz, link.izz;
+    const Vector3d &a = link.xx_xy_xz, &b = link.yy_yz_zz;
+    I << a[0], a[1], a[2], a[1], b[0], b[1], a[2], b[1], b[2];
     add_body(i + 1, link.mass, link.com, I);
   }
   X = X * Eigen::Translation3d(0, 0, 0.107);  // the flange
@@ -83,13 +87,16 @@ Definition by_definition(const Vector7d& q) {
   return result;
 }
 
-const Vector7d kMin = (Vector7d() << -2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973).finished();
-const Vector7d kMax = (Vector7d() << 2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973).finished();
+const Vector7d kMin =
+    (Vector7d() << -2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973).finished();
+const Vector7d kMax =
+    (Vector7d() << 2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973).finished();
 
 class RandomStates {
  public:
   Vector7d q() {
-    return kMin + (kMax - kMin).cwiseProduct(Vector7d::NullaryExpr([&] { return unit_(generator_); }));
+    return kMin +
+           (kMax - kMin).cwiseProduct(Vector7d::NullaryExpr([&] { return unit_(generator_); }));
   }
   Vector7d dq() {
     return Vector7d::NullaryExpr([&] { return 4 * unit_(generator_) - 2; });
@@ -116,7 +123,8 @@ TEST_CASE("arm: its poses, mass matrix and gravity are those of the URDF's defin
       Vector7d plus = q, minus = q;
       plus[i] += kStep;
       minus[i] -= kStep;
-      const double slope = (by_definition(plus).potential - by_definition(minus).potential) / (2 * kStep);
+      const double slope =
+          (by_definition(plus).potential - by_definition(minus).potential) / (2 * kStep);
       CHECK(state.gravity[i] == Approx(slope).margin(1e-7));
     }
   }
@@ -130,13 +138,15 @@ TEST_CASE("arm: Coriolis forces follow from the mass matrix's change (Lagrange)"
   for (int n = 0; n < 30; ++n) {
     const Vector7d q = random.q(), dq = random.dq();
     arm.update(q, dq, state);
-    const Matrix7d M_dot = (by_definition(q + kStep * dq).M - by_definition(q - kStep * dq).M) / (2 * kStep);
+    const Matrix7d M_dot =
+        (by_definition(q + kStep * dq).M - by_definition(q - kStep * dq).M) / (2 * kStep);
     Vector7d expected = M_dot * dq;
     for (int i = 0; i < 7; ++i) {
       Vector7d plus = q, minus = q;
       plus[i] += kStep;
       minus[i] -= kStep;
-      expected[i] -= 0.5 * dq.dot((by_definition(plus).M - by_definition(minus).M) * dq) / (2 * kStep);
+      expected[i] -=
+          0.5 * dq.dot((by_definition(plus).M - by_definition(minus).M) * dq) / (2 * kStep);
     }
     CHECK((state.coriolis - expected).norm() < 1e-6);
   }
@@ -174,7 +184,8 @@ TEST_CASE("arm: the mass matrix is symmetric and positive definite") {
   }
 }
 
-TEST_CASE("arm: at the paper's start and null-space postures the ball of the tool hangs over (0.55, 0)") {
+TEST_CASE(
+    "arm: at the paper's start and null-space postures the ball of the tool hangs over (0.55, 0)") {
   // heights derived for the paper's authors' model; the Panda's geometry is the same here
   Arm arm = panda();
   ArmState state;
@@ -202,7 +213,8 @@ TEST_CASE("arm: the environment chooses another model file") {
   setenv("C3RT_PANDA_URDF", "/elsewhere/panda.urdf", 1);
   CHECK(panda_urdf_path() == "/elsewhere/panda.urdf");
   unsetenv("C3RT_PANDA_URDF");
-  CHECK(panda_urdf_path() == std::string(C3RT_THIRD_PARTY) + "/share/panda_description/urdf/panda.urdf");
+  CHECK(panda_urdf_path() ==
+        std::string(C3RT_THIRD_PARTY) + "/share/panda_description/urdf/panda.urdf");
   if (!saved.empty()) setenv("C3RT_PANDA_URDF", saved.c_str(), 1);
 }
 
