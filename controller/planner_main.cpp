@@ -11,6 +11,7 @@
 #include "controller/model/arm.hpp"
 #include "controller/planner/planner.hpp"
 #include "controller/rt/periodic_clock.hpp"
+#include "controller/rt/thread_setup.hpp"
 #include "idl/dds.hpp"
 #include "idl/process.hpp"
 
@@ -20,6 +21,7 @@ using namespace c3rt;
 
 constexpr long kRobot = 0, kBall = 0;
 constexpr double kStateTimeout = 0.1;  // [s]
+constexpr int kPriority = 40;          // below the 1 kHz loop and what carries its samples, above vision
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 std::int64_t nanoseconds(double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); }
@@ -202,6 +204,10 @@ void run(const config::ProcessOptions& options) {
   wire::Writer<wire::Plan> writer(bus);
   wire::Writer<wire::ServiceReply> replies(bus);
   const std::int64_t period_ns = nanoseconds(1.0 / parameters.rate);
+  if (realtime) {
+    const std::string refused = rt::setup_thread({kPriority, {}, false});
+    if (!refused.empty()) spdlog::warn("NOT REAL-TIME: {}; plans will be late under load", refused);
+  }
   wire::Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, period_ns});
   double solve_time = scenario.timing.solve_time_s;
   planner::Mode mode = planner::Mode::kWait;
