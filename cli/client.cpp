@@ -118,6 +118,10 @@ void follow(const Seat& seat, Action&& action) {
   wire::Reader<T> reader(bus, 1024);
   T sample{};
   bool go_on = true;
+  if (!wait_until(kDiscovery, [&] { return reader.matched_writers() > 0; })) {
+    fmt::print(stderr, "c3rt: nobody writes {} on domain {} yet; waiting\n", wire::topic<T>().name,
+               seat.domain);
+  }
   while (go_on && !wire::StopFlag::requested()) {
     bus.wait_for_data(100'000'000);
     bool any = false;
@@ -164,7 +168,8 @@ Services listen(wire::Bus& bus, double seconds) {
   return services;
 }
 
-int request(const Seat& seat, wire::Process process, c3rt_v1_RequestVerb verb) {
+int request(const Seat& seat, const std::vector<wire::Process>& processes,
+            c3rt_v1_RequestVerb verb) {
   wire::Bus bus(bus_settings(seat));
   wire::Writer<wire::ServiceRequest> writer(bus);
   wire::Reader<wire::ServiceReply> reader(bus);
@@ -174,26 +179,30 @@ int request(const Seat& seat, wire::Process process, c3rt_v1_RequestVerb verb) {
                seat.domain);
     return kProcessFailed;
   }
-  std::this_thread::sleep_for(milliseconds(200));
-  wire::ServiceRequest wanted{};
-  wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
-  wanted.process = process;
-  wanted.verb = verb;
-  writer.write(wanted, rt::now_ns());
-  wire::ServiceReply reply{};
-  const bool answered = wait_until(kReply, [&] {
-    while (reader.take(reply)) {
-      if (reply.request_id == wanted.request_id) return true;
+  std::this_thread::sleep_for(milliseconds(200));  // others may be discovered a moment later
+  int exit_status = kDone;
+  for (const wire::Process process : processes) {
+    wire::ServiceRequest wanted{};
+    wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
+    wanted.process = process;
+    wanted.verb = verb;
+    writer.write(wanted, rt::now_ns());
+    wire::ServiceReply reply{};
+    const bool answered = wait_until(kReply, [&] {
+      while (reader.take(reply)) {
+        if (reply.request_id == wanted.request_id) return true;
+      }
+      return false;
+    });
+    if (!answered) {
+      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
+                 wire::process_name(process), kReply);
+      return kProcessFailed;
     }
-    return false;
-  });
-  if (!answered) {
-    fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
-               wire::process_name(process), kReply);
-    return kProcessFailed;
+    fmt::print("{}: {}\n", wire::process_name(reply.process), reply.text);
+    if (!reply.ok) exit_status = kCriterionFailed;
   }
-  fmt::print("{}: {}\n", wire::process_name(reply.process), reply.text);
-  return reply.ok ? kDone : kCriterionFailed;
+  return exit_status;
 }
 
 int inject(const Seat& seat, const wire::FaultInject& fault) {

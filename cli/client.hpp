@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "idl/dds.hpp"
 
@@ -25,8 +26,10 @@ using Services = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCo
 /// have spoken.
 Services listen(wire::Bus& bus, double seconds);
 
-/// Sends a request and prints the reply. @return an exit status
-int request(const Seat& seat, wire::Process process, c3rt_v1_RequestVerb verb);
+/// Sends a request to each of these processes in turn and prints their replies. @return an exit
+/// status
+int request(const Seat& seat, const std::vector<wire::Process>& processes,
+            c3rt_v1_RequestVerb verb);
 
 /// Sends a fault to its process. @return an exit status
 int inject(const Seat& seat, const wire::FaultInject& fault);

@@ -156,16 +156,17 @@ class CommandLine {
   }
 
   void add_requests() {
-    add_seat(*command(app_, "recover", "Clears the robot's errors after a reflex",
-                      [this] {
-                        return cli::request(seat_, c3rt_v1_PROCESS_PLANT, c3rt_v1_REQUEST_RECOVER);
-                      }),
-             seat_);
-    add_seat(*command(app_, "stop", "Stops the robot, as its user stop does",
-                      [this] {
-                        return cli::request(seat_, c3rt_v1_PROCESS_PLANT, c3rt_v1_REQUEST_STOP);
-                      }),
-             seat_);
+    // the plant holds the robot's own errors, the others their part of standing still
+    const auto add = [this](const char* name, const char* description, c3rt_v1_RequestVerb verb) {
+      CLI::App* added = command(app_, name, description, [this, verb] {
+        return cli::request(
+            seat_, {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER},
+            verb);
+      });
+      add_seat(*added, seat_);
+    };
+    add("recover", "Ends a reflex or a stop: the arm moves again", c3rt_v1_REQUEST_RECOVER);
+    add("stop", "Stops the robot until recover", c3rt_v1_REQUEST_STOP);
   }
 
   CLI::App* fault(CLI::App& parent, const std::string& name, const std::string& description,

@@ -69,7 +69,18 @@ std::string service_table(
 LiveTable::LiveTable(const std::string& title, int loops, double duration)
     : title_(title), loops_(loops), duration_(duration), terminal_(isatty(STDOUT_FILENO) == 1) {}
 
+void LiveTable::tell_changes(const Live& live) {
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const auto& status = live.services[i];
+    if (!status || status->state == states_[i]) continue;
+    states_[i] = status->state;
+    fmt::print("[{:7.1f} s] {} is {}: {}\n", live.time, wire::process_name(status->process),
+               name_of(status->state), status->text);
+  }
+}
+
 void LiveTable::update(const Live& live) {
+  if (!terminal_) tell_changes(live);
   if (wall_time() - drawn_at_ >= (terminal_ ? kTerminalPeriod : kLinePeriod)) draw(live);
 }
 

@@ -24,10 +24,12 @@ class LiveTable {
 
  private:
   void draw(const Live& live);
+  void tell_changes(const Live& live);  // of a process's state, as they come; not on a terminal
   std::string title_;
   int loops_;
   double duration_;  // [s]
   bool terminal_;
+  std::array<c3rt_v1_ServiceState, wire::kProcessCount> states_{};
   int lines_ = 0;          // drawn so far, to be drawn over
   double drawn_at_ = 0.0;  // wall [s]
   std::uint64_t drawn_steps_ = 0;
