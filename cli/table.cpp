@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "cli/fields.hpp"
@@ -22,6 +23,11 @@ double wall_time() {
 
 std::string shown(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
+}
+
+int terminal_width() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 120;
 }
 
 struct Planning {
@@ -108,9 +114,13 @@ void LiveTable::draw(const Live& live) {
     text += service_table(live.services);
     const auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
     std::string screen = lines_ > 0 ? fmt::format("\x1b[{}A", lines_) : "";
+    // a line that wraps would put the next drawing in the wrong place
+    const int width = terminal_width();
+    int column = 0;
     for (const char c : text) {
       if (c == '\n') screen += "\x1b[K";  // what the last drawing left at the end of the line
-      screen += c;
+      if (c == '\n' || column < width) screen += c;
+      column = c == '\n' ? 0 : column + 1;
     }
     lines_ = lines;
     text = screen;
