@@ -47,8 +47,7 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
   const VectorXd weight = rolling_ball::costs(rolling_ball::Phase::kRoll).U.diagonal();
   const auto projection = make_miqp_projection(rolling_ball::sizes(), 1 << 20);
   projection->set_weight(weight.asDiagonal());
-  int feasible = 0, infeasible = 0;
-  for (int trial = 0; trial < 10; ++trial) {
+  for (int trial = 0; trial < 4; ++trial) {
     const VectorXd x = rolling_ball::state(random.uniform(-0.002, 0.01), random.uniform(-0.3, 0.3));
     const lcs::Lcs lcs = rolling_ball::lcs(x);
     VectorXd v(34), delta(34);
@@ -71,12 +70,8 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
       }
       const NodeQp::Status status = at_once.solve(r.C, r.t, r.tolerance, kInfinity);
       if (status != step) FAIL("trial " << trial << ", mode " << mode << ": the order decides");
-      if (status == NodeQp::Status::kInfeasible) {
-        ++infeasible;
-        continue;
-      }
+      // x and u are free, so there is a point in every mode
       REQUIRE(status == NodeQp::Status::kSolved);
-      ++feasible;
       REQUIRE(at_once.objective() == Approx(one_by_one.objective()).epsilon(1e-9));
       const VectorXd s = r.t + r.C.transpose() * at_once.f();
       REQUIRE(s.minCoeff() > -10.0 * r.tolerance);
@@ -88,8 +83,6 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
     CHECK(report.status == ProjectionStatus::kSolved);
     CHECK(report.objective == Approx(best).epsilon(1e-9));
   }
-  REQUIRE(feasible > 1000);
-  REQUIRE(infeasible > 1000);
 }
 
 TEST_CASE("node QP: by hand, nearest point of a corner, a contradiction and a bound") {

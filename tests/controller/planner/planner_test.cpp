@@ -1,0 +1,216 @@
+#include "controller/planner/planner.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "config/scenario.hpp"
+
+using namespace c3rt;
+using namespace c3rt::planner;
+using Eigen::Vector3d;
+
+namespace {
+
+const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
+
+Parameters parameters(const std::vector<std::string>& overrides = {}) {
+  return config::load_scenario(kScenario, overrides).planner;
+}
+
+const Vector3d kBall(0.55, 0.1, -0.0245 + 0.0315);
+
+Input input_at(double now, const Vector3d& p_WE) {
+  Input input{};
+  input.now = now;
+  input.state_fresh = true;
+  input.p_WE = p_WE;
+  input.v_WE.setZero();
+  input.ball_fresh = true;
+  input.p_WB = kBall;
+  input.v_WB.setZero();
+  input.omega_WB.setZero();
+  input.q_WB.setIdentity();
+  input.circle = parameters().circle;
+  input.solve_time = 0.002;
+  return input;
+}
+
+/// Drives a planner whose plans are followed at once, from above the table to the ball.
+struct Follower {
+  explicit Follower(const Parameters& p) : planner(p), period(1.0 / p.rate) {}
+  const Plan& step() {
+    Input input = input_at(now, p_WE);
+    input.v_WE = v_WE;
+    const Plan& plan = planner.step(input);
+    now += period;
+    p_WE = plan.p_WE;
+    v_WE = plan.v_WE;
+    return plan;
+  }
+  bool until(Mode mode, int periods) {
+    for (int i = 0; i < periods; ++i) {
+      if (step().mode == mode) return true;
+    }
+    return false;
+  }
+  Planner planner;
+  double period, now = 0.0;
+  Vector3d p_WE{0.55, -0.1, 0.04}, v_WE{0.0, 0.0, 0.0};
+};
+
+bool finite(const Plan& plan) {
+  return plan.p_WE.allFinite() && plan.v_WE.allFinite() && plan.q_WE.coeffs().allFinite() &&
+         plan.force_E.allFinite() && plan.u_c3.allFinite() && plan.lambda_d.allFinite();
+}
+
+}  // namespace
+
+TEST_CASE("planner: without the robot's state it waits, and its plan is marked as no plan") {
+  Planner planner(parameters());
+  Input input = input_at(0.0, Vector3d::Zero());
+  input.state_fresh = false;
+  const Plan& plan = planner.step(input);
+  CHECK(plan.mode == Mode::kWait);
+  CHECK(plan.status == PlanStatus::kFallback);
+  CHECK(finite(plan));
+}
+
+TEST_CASE("planner: the approach goes up, across and down, never faster than told and never through the ball") {
+  const Parameters p = parameters();
+  Follower follower(p);
+  const double touching = p.model.ball_radius + p.model.end_effector_radius;
+  Vector3d previous = follower.p_WE;
+  double highest = 0.0;
+  int periods = 0;
+  while (follower.step().mode != Mode::kReturn) {
+    REQUIRE(++periods < 2000);
+    CHECK((follower.p_WE - previous).norm() <= p.approach.speed * follower.period + 1e-12);
+    CHECK((follower.p_WE - kBall).norm() > touching);
+    previous = follower.p_WE;
+    highest = std::max(highest, follower.p_WE.z());
+  }
+  CHECK(highest == Approx(p.model.table_height + p.approach.safe_height).margin(p.approach.tolerance));
+  CHECK((previous - Vector3d(kBall + Vector3d(0, 0, p.approach.start_height))).norm() < p.approach.tolerance);
+}
+
+TEST_CASE("planner: a lost ball makes it hold out of the way, and a ball that is back is approached again") {
+  const Parameters p = parameters();
+  Follower follower(p);
+  REQUIRE(follower.until(Mode::kRoll, 2000));
+  Vector3d where = follower.p_WE;
+  for (int i = 0; i < 200; ++i) {
+    Input input = input_at(follower.now, where);
+    follower.now += follower.period;
+    input.ball_fresh = false;
+    const Plan& plan = follower.planner.step(input);
+    REQUIRE(plan.mode == Mode::kHold);
+    CHECK(plan.v_WE.isZero());
+    CHECK((plan.p_WE - where).norm() <= p.approach.speed * follower.period + 1e-12);
+    where = plan.p_WE;
+  }
+  CHECK(where.z() == Approx(p.model.table_height + p.approach.safe_height));
+  CHECK(follower.planner.counters().ball_lost == 1);
+  CHECK(follower.planner.step(input_at(follower.now, where)).mode == Mode::kApproach);
+}
+
+TEST_CASE("planner: numbers that are not finite count as not there") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Planner planner(parameters());
+  Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
+  input.v_WB.x() = nan;
+  CHECK(planner.step(input).mode == Mode::kHold);
+  input = input_at(0.1, Vector3d(0.55, 0.0, nan));
+  const Plan& plan = planner.step(input);
+  CHECK(plan.mode == Mode::kWait);
+  CHECK(plan.status == PlanStatus::kFallback);
+}
+
+TEST_CASE("planner: every plan of the heuristic's cycle is finite, solved, and keeps the speed limit") {
+  const Parameters p = parameters();
+  Follower follower(p);
+  REQUIRE(follower.until(Mode::kReturn, 2000));
+  bool rolled = false;
+  for (int i = 0; i < 300; ++i) {
+    const Plan& plan = follower.step();
+    REQUIRE(finite(plan));
+    CHECK(plan.status == PlanStatus::kOk);
+    CHECK(plan.v_WE.norm() <= p.speed_limit + 1e-12);
+    CHECK(plan.admm_iterations == p.c3.admm_iterations);
+    rolled = rolled || plan.mode == Mode::kRoll;
+  }
+  CHECK(rolled);
+  CHECK(follower.planner.counters().fallbacks == 0);
+}
+
+TEST_CASE("planner: the plan for the next instant respects the contact") {
+  const Parameters p = parameters();
+  Follower follower(p);
+  REQUIRE(follower.until(Mode::kRoll, 2000));
+  for (int i = 0; i < 50; ++i) {
+    const Plan& plan = follower.step();
+    using L = model::BallLayout;
+    // Algorithm 3 gives a force only where the end effector touches the ball, and never one that pulls
+    CHECK(plan.lambda_d[L::normal_end_effector] >= 0.0);
+    CHECK(plan.lambda_d[L::normal_table] >= 0.0);
+    const double gap = (plan.p_WE - kBall).norm() - p.model.ball_radius - p.model.end_effector_radius;
+    if (gap > 2e-3) CHECK(plan.lambda_d[L::normal_end_effector] == Approx(0.0).margin(1e-9));
+  }
+}
+
+TEST_CASE("planner: a deadline that strikes gives a truncated plan, not none") {
+  Follower follower(parameters());
+  REQUIRE(follower.until(Mode::kRoll, 2000));
+  struct Count {
+    int asked = 0;
+    static bool reached(void* context) noexcept { return ++static_cast<Count*>(context)->asked > 1; }
+  } count;
+  const Plan& plan = follower.planner.step(input_at(follower.now, follower.p_WE), {&Count::reached, &count});
+  CHECK(count.asked > 1);
+  CHECK(plan.status == PlanStatus::kTruncated);
+  CHECK(finite(plan));
+  CHECK(follower.planner.counters().truncated == 1);
+}
+
+TEST_CASE("planner: delta t_c is the mean of the last ten periods, or the time of the solve, as the scenario says") {
+  for (const bool period : {true, false}) {
+    Follower follower(parameters({period ? "planner.delta_t_c=period" : "planner.delta_t_c=solve_time"}));
+    REQUIRE(follower.until(Mode::kReturn, 2000));
+    // nine regular periods and one of 30 ms
+    follower.now += 0.030 - follower.period;
+    const Plan& plan = follower.step();
+    CHECK(plan.delta_t_c == Approx(period ? (9.0 / 75.0 + 0.030) / 10.0 : 0.002));
+  }
+}
+
+TEST_CASE("planner: both back ends of the QP step give the same plan") {
+  Follower direct(parameters({"planner.c3.qp=direct"})), osqp(parameters({"planner.c3.qp=osqp", "planner.c3.osqp.eps=1e-10", "planner.c3.osqp.max_iterations=20000"}));
+  REQUIRE(direct.until(Mode::kRoll, 2000));
+  REQUIRE(osqp.until(Mode::kRoll, 2000));
+  const Input input = input_at(direct.now, kBall + Vector3d(-0.02, 0.005, 0.05));
+  const Plan a = direct.planner.step(input);
+  Input same = input;
+  same.now = osqp.now;
+  const Plan& b = osqp.planner.step(same);
+  REQUIRE(a.mode == Mode::kRoll);
+  REQUIRE(b.mode == Mode::kRoll);
+  CHECK((a.u_c3 - b.u_c3).norm() < 1e-5);
+  CHECK((a.p_WE - b.p_WE).norm() < 1e-6);
+}
+
+TEST_CASE("planner: the same inputs give the same bits") {
+  Follower a(parameters()), b(parameters());
+  for (int i = 0; i < 500; ++i) {
+    const Plan& plan_a = a.step();
+    const Plan& plan_b = b.step();
+    REQUIRE(plan_a.p_WE == plan_b.p_WE);
+    REQUIRE(plan_a.u_c3 == plan_b.u_c3);
+  }
+}
+
+TEST_CASE("planner: weights that cannot be used are refused at the start, by name") {
+  Parameters p = parameters();
+  p.roll.R = -1.0;
+  CHECK_THROWS_WITH(Planner(p), Catch::Contains("Costs.R"));
+}

@@ -1,0 +1,150 @@
+// The process c3rt-planner on a real bus, with this test as its plant and its vision.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "idl/process.hpp"
+#include "tests/idl/bus_fixture.hpp"
+#include "tests/support/child_process.hpp"
+
+using namespace c3rt;
+using wire::test::eventually;
+using wire::test::kMs;
+using wire::test::kSecond;
+
+namespace {
+
+const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
+const std::string kProfile = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
+
+std::vector<std::string> command(const std::string& clock, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments = {test::program("c3rt-planner"), kScenario, "--clock", clock, "--domain",
+                                        std::to_string(wire::test::kDomain), "--dds-profile", kProfile};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+/// The robot at rest in its start pose and the ball at the start of the circle, in lockstep.
+class World {
+ public:
+  explicit World(const std::vector<std::string>& more = {})
+      : child(command("lockstep", more)),
+        bus(wire::test::settings(wire::ClockMode::kLockstep, wire::draw_session())),
+        states(bus), estimates(bus), targets(bus), faults(bus), plans(bus),
+        master(bus, {c3rt_v1_PROCESS_PLANNER}, 30 * kSecond) {}
+
+  /// One millisecond; @return whether a plan came
+  bool step(wire::Plan& plan, bool ball_in_view = true) {
+    now_ns += kMs;
+    wire::RobotState state{};
+    const double q[] = {0.0, 0.275, 0.0, -2.222, 0.0, 2.497, 0.0};
+    std::copy(std::begin(q), std::end(q), state.q_rad);
+    states.write(state, now_ns);
+    if (now_ns % (12 * kMs) == 0) {
+      wire::BallEstimate estimate{};
+      estimate.exposure_ns = now_ns;
+      estimate.valid = ball_in_view;
+      const double p[] = {0.55, 0.1, 0.007};
+      std::copy(std::begin(p), std::end(p), estimate.p_WB_m);
+      estimate.q_WB[0] = 1.0;
+      estimates.write(estimate, now_ns);
+    }
+    REQUIRE(master.advance(now_ns));
+    return plans.take_newest(plan);
+  }
+
+  test::ChildProcess child;
+  wire::Bus bus;
+  wire::Writer<wire::RobotState> states;
+  wire::Writer<wire::BallEstimate> estimates;
+  wire::Writer<wire::TaskTarget> targets;
+  wire::Writer<wire::FaultInject> faults;
+  wire::Reader<wire::Plan> plans;
+  wire::LockstepMaster master;
+  std::int64_t now_ns = 0;
+};
+
+}  // namespace
+
+TEST_CASE("c3rt-planner: plans come at the fixed rate, and carry what they were made from") {
+  World world;
+  wire::Plan plan{};
+  int count = 0;
+  std::int64_t previous_ns = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (!world.step(plan)) continue;
+    ++count;
+    CHECK(plan.header.session_id == world.bus.session_id());
+    CHECK(plan.origin.state_ns == world.now_ns);
+    CHECK(plan.header.time_ns == plan.origin.state_ns + 20 * kMs);  // publish_delay_s of the scenario
+    CHECK(plan.valid_until_ns == plan.header.time_ns + 100 * kMs);
+    if (previous_ns != 0) {
+      const std::int64_t period_ns = plan.origin.state_ns - previous_ns;
+      CHECK((period_ns == 13 * kMs || period_ns == 14 * kMs));
+    }
+    previous_ns = plan.origin.state_ns;
+    if (world.now_ns > 100 * kMs) {
+      CHECK(plan.origin.exposure_ns > 0);
+      CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+    }
+  }
+  CHECK((count >= 74 && count <= 76));
+  world.child.signal(SIGTERM);
+  CHECK(world.child.wait() == 0);
+}
+
+TEST_CASE("c3rt-planner: it holds while the ball is out of view, and approaches it when it is back") {
+  World world;
+  wire::Plan plan{};
+  for (int i = 0; i < 300; ++i) world.step(plan);
+  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+  for (int i = 0; i < 300; ++i) world.step(plan, false);
+  CHECK(plan.phase == c3rt_v1_PHASE_HOLD);
+  for (int i = 0; i < 100; ++i) world.step(plan);
+  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+}
+
+TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the scenario's own") {
+  World world;
+  wire::Plan plan{};
+  const auto send = [&](c3rt_v1_TargetKind kind, double radius) {
+    wire::TaskTarget target{};
+    target.kind = kind;
+    target.center_m[0] = 0.5;
+    target.radius_m = radius;
+    target.lead_rad = 0.3;
+    target.header.session_id = 0;
+    world.targets.write(target, world.now_ns);
+    const std::uint64_t before = plan.header.seq;
+    // a client's sample is in no tick: give the network a moment
+    for (int i = 0; i < 400 && plan.header.seq < before + 20; ++i) {
+      usleep(500);
+      world.step(plan);
+    }
+  };
+  for (int i = 0; i < 100; ++i) world.step(plan);
+  const double x_scenario = plan.ball_target_m[0];
+  send(c3rt_v1_TARGET_HOLD, 0.1);
+  CHECK(plan.phase == c3rt_v1_PHASE_HOLD);
+  send(c3rt_v1_TARGET_CIRCLE, 0.1);
+  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+  const double x_circle = plan.ball_target_m[0];
+  CHECK(std::abs(x_circle - x_scenario) > 0.005);
+  send(c3rt_v1_TARGET_CIRCLE, std::nan(""));
+  CHECK(plan.ball_target_m[0] == x_circle);
+  send(c3rt_v1_TARGET_SCENARIO, 0.0);
+  CHECK(plan.ball_target_m[0] == x_scenario);
+}
+
+TEST_CASE("c3rt-planner: a mistake in the scenario ends it with status 2 and names the key") {
+  const std::string log = std::string(C3RT_BINARY_DIRECTORY) + "/planner_refused.log";
+  test::ChildProcess child(command("realtime", {"--set", "planner.horizon=0"}), log);
+  CHECK(child.wait() == 2);
+  std::string text(4096, '\0');
+  const int file = open(log.c_str(), O_RDONLY);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, read(file, text.data(), text.size()))));
+  close(file);
+  CHECK_THAT(text, Catch::Contains("planner.horizon: expected an integer in [1, 10], got \"0\""));
+}

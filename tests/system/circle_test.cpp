@@ -1,0 +1,97 @@
+// c3rt run with all processes in lockstep: the ball goes round, twice the same, and nothing is left behind.
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/child_process.hpp"
+
+using namespace c3rt;
+using nlohmann::json;
+
+namespace {
+
+struct Run {
+  int status;
+  json report;
+};
+
+Run run(const std::string& name, const std::vector<std::string>& arguments) {
+  const std::string directory = std::string(C3RT_BINARY_DIRECTORY) + "/system_" + name;
+  std::vector<std::string> command{test::program("c3rt"), "run"};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  command.insert(command.end(), {"--clock", "lockstep", "--out", directory});
+  test::ChildProcess child(command, directory + ".log");
+  Run result{child.wait(), {}};
+  std::ifstream file(directory + "/report.json");
+  if (file) file >> result.report;
+  return result;
+}
+
+/// Keeps every core busy while it lives.
+class Load {
+ public:
+  Load() {
+    for (unsigned i = 0; i < std::max(2u, std::thread::hardware_concurrency()); ++i)
+      threads_.emplace_back([this] { while (!stop_) {} });
+  }
+  ~Load() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+TEST_CASE("system: the four processes roll the ball round the circle inside the 2 cm band") {
+  const Run circle = run("circle_slow", {"circle_slow", "--set", "task.loops=1", "--set", "criteria.0.min=1"});
+  CHECK(circle.status == 0);
+  const json& report = circle.report;
+  CHECK(report.at("loops_completed") == 1);
+  CHECK(report.at("loop_times_s").at(0).get<double>() < 25.0);
+  CHECK(report.at("ball").at(0).at("in_band_2cm").get<double>() == 1.0);
+  CHECK(report.at("end_effector").at("tracking_error_m").at("p95").get<double>() < 0.003);
+  CHECK(report.at("planner").at("fallbacks") == 0);
+  CHECK(report.at("plant").at("reflexes").empty());
+}
+
+TEST_CASE("system: with three cameras the estimate stays within 1 mm while the ball rolls") {
+  const Run vision = run("circle_vision", {"circle_vision", "--duration", "10"});
+  const json& error = vision.report.at("vision").at("error_m");
+  CHECK(error.at("p95").get<double>() < 0.001);
+  CHECK(vision.report.at("vision").at("dropped_frames") == 0);
+  // a tenth of a circle at least: the ball did roll
+  CHECK(vision.report.at("ball").at(0).at("in_band_2cm").get<double>() > 0.0);
+}
+
+TEST_CASE("system: the same scenario and seed give the same log, also while the machine is busy") {
+  const std::vector<std::string> arguments{"circle_fast", "--duration", "4", "--seed", "5"};
+  const Run idle = run("same_idle", arguments);
+  const Run busy = [&] {
+    const Load load;
+    return run("same_busy", arguments);
+  }();
+  const Run other = run("same_other", {"circle_fast", "--duration", "4", "--seed", "6"});
+  const std::string hash = idle.report.at("log_hash");
+  CHECK_FALSE(hash.empty());
+  CHECK(busy.report.at("log_hash") == hash);
+  CHECK(other.report.at("log_hash") != hash);
+}
+
+TEST_CASE("system: a run that misses a criterion ends with status 1, and says which") {
+  const Run short_run = run("criterion", {"circle_slow", "--duration", "2"});
+  CHECK(short_run.status == 1);
+  bool named = false;
+  for (const json& criterion : short_run.report.at("criteria"))
+    named = named || (criterion.at("name") == "loops_completed" && criterion.at("met") == false);
+  CHECK(named);
+}
