@@ -22,13 +22,16 @@ fetch() {
     if [[ ! -x $directory/tools/bin/unearth ]]; then
       say "installing the downloader (unearth) into a virtual environment"
       /usr/bin/python3 -m venv "$directory/tools"
-      "$directory/tools/bin/pip" --quiet install 'unearth==0.17.5' || "$directory/tools/bin/pip" --quiet install unearth
+      # pinned: version 0.17 unpacks what it downloads, so that nothing is left to check
+      "$directory/tools/bin/pip" --quiet install 'unearth==0.19.0' ||
+        fail "could not install the downloader; is the package index reachable?"
     fi
     say "downloading $requirement"
     mkdir -p "$directory/download"
     "$directory/tools/bin/unearth" --no-binary --download "$directory/download" "$requirement" >"$directory/download.log" 2>&1 ||
       { tail -n 5 "$directory/download.log" >&2; fail "could not download $requirement; is the package index reachable?"; }
   fi
+  [[ -f $directory/download/$file ]] || fail "$requirement was downloaded, but $file is not in $directory/download"
   local actual
   actual=$(sha256sum "$directory/download/$file" | cut -d' ' -f1)
   [[ $actual == "$expected" ]] ||
