@@ -144,7 +144,7 @@ class DirectQp final : public QpStep {
     return true;
   }
 
-  /// Where rounding makes R̂ indefinite, a tiny shift makes it definite again; the refinement, whose
+  /// Where rounding makes R̂ indefinite, a tiny shift makes it definite; the refinement, whose
   /// gradient is exact, then removes the shift's error from the solution.
   bool factor_shifted(Stage& stage) noexcept {
     stage.R_factor.compute(stage.R_hat);

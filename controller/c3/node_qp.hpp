@@ -12,8 +12,8 @@ namespace c3rt::c3 {
 ///
 /// Dual active set method [Goldfarb, Idnani 1983]: starts from the unconstrained minimiser and adds
 /// one violated constraint at a time, so that a constraint pinned in a solved state costs only the
-/// steps that it needs. The active constraints are held as an orthonormal basis Q and a triangle, not
-/// by their Gram matrix, whose condition is the square: contact rows are nearly dependent (the
+/// steps that it needs. The active constraints are held as an orthonormal basis Q and a triangle,
+/// not by their Gram matrix, whose condition is the square: contact rows are nearly dependent (the
 /// slips along +t and −t add up to γ).
 class NodeQp {
  public:

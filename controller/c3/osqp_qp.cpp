@@ -39,7 +39,7 @@ double bound_at(const VectorXd& bound, int i, double none) {
   return bound.size() == 0 ? none : bound[i];
 }
 
-/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then the bounded coordinates.
+/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded.
 class OsqpQp final : public QpStep {
  public:
   OsqpQp(const Sizes& sizes, const OsqpSettings& settings)

@@ -28,20 +28,20 @@ struct Sizes {
 
 /// Weights of Algorithm 1, all symmetric. There is no ½ anywhere:
 ///
-///   Σ_{k<N} (x_k−x_d,k)ᵀ Q (x_k−x_d,k) + u_kᵀ R u_k + (x_N−x_d,N)ᵀ Q_N (x_N−x_d,N)     [C3, eq. (14)]
-///   + Σ_{k<N} (z_k−δ_k+w_k)ᵀ ρ G (z_k−δ_k+w_k)                                       [C3, eq. (21)]
+///   Σ_{k<N} (x_k−x_d,k)ᵀ Q (x_k−x_d,k) + u_kᵀ R u_k + (x_N−x_d,N)ᵀ Q_N (x_N−x_d,N)  [C3, eq. (14)]
+///   + Σ_{k<N} (z_k−δ_k+w_k)ᵀ ρ G (z_k−δ_k+w_k)                                    [C3, eq. (21)]
 ///
-/// and the projection minimises (δ−z−w)ᵀ U (δ−z−w)                                    [C3, eq. (23)].
+/// and the projection minimises (δ−z−w)ᵀ U (δ−z−w)                                 [C3, eq. (23)].
 struct Costs {
   Eigen::MatrixXd Q;    // (n_x × n_x) positive semidefinite
   Eigen::MatrixXd Q_N;  // (n_x × n_x) positive semidefinite
   Eigen::MatrixXd R;    // (n_u × n_u) positive semidefinite
-  Eigen::MatrixXd G;    // (n_z × n_z) positive semidefinite, definite in λ and, together with R, in u
+  Eigen::MatrixXd G;    // (n_z × n_z) positive semidefinite; definite in λ and, with R, in u
   Eigen::MatrixXd U;    // (n_z × n_z) positive semidefinite
 };
 
 /// Box bounds of the QP step (the set C), never of the projection; ±infinity where there is none.
-/// Empty vectors mean no bound. They hold for λ_k, u_k with k = 0 … N−1 and for x_k with k = 1 … N−1.
+/// Empty vectors mean no bound. They hold for λ_k, u_k (k = 0 … N−1) and x_k (k = 1 … N−1).
 struct Bounds {
   Eigen::VectorXd x_min, x_max;            // (n_x)
   Eigen::VectorXd lambda_min, lambda_max;  // (n_lambda)

@@ -37,7 +37,7 @@ class QpStep {
   /// earlier iterate, so that the same problem gives the same bits. RT as `solve`.
   virtual void start(Horizon lcs) noexcept = 0;
 
-  /// Warm-starts from `z`, `x_N` (taken from the previous call, if any since `start`) and overwrites
+  /// Warm-starts from `z`, `x_N` (those of the previous call, if any since `start`) and overwrites
   /// them. x_desired: (n_x × N+1); r, z: (n_z × N). RT: no heap, no lock, no throw (with OSQP: no
   /// heap unless it polishes).
   [[nodiscard]] virtual QpReport solve(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,

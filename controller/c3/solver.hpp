@@ -68,8 +68,8 @@ struct Solution {
 ///
 ///   z ← QP (21);   δ_k ← projection of z_k + w_k (22);   w_k ← (w_k + z_k − δ_k)/ρ_s;   ρ ← ρ_s ρ
 ///
-/// Start: w = 0. Sizes are fixed by the constructor; after `set_costs` a solve allocates nothing (but
-/// see OsqpSettings::polish). Equal problems give equal bits, whatever was solved between them.
+/// Start: w = 0. Sizes are fixed by the constructor; after `set_costs` a solve allocates nothing
+/// (but see OsqpSettings::polish). Equal problems give equal bits, whatever was solved between them.
 class Solver {
  public:
   /// @throws std::invalid_argument as `check`

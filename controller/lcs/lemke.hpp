@@ -41,9 +41,9 @@ class Lemke {
                                 const Eigen::Ref<const Eigen::VectorXd>& q,
                                 Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
-  /// `solve`, and where it fails the same with F + ε I for ε = 1e-12, 1e-10 … 1e-2 times the largest
-  /// |F_ij|. The answer then solves the regularised problem; report.residual says how well the
-  /// given one. RT: no heap, no lock, no throw.
+  /// `solve`, and where it fails the same with F + ε I for ε = 1e-12, 1e-10 … 1e-2 times the
+  /// largest |F_ij|. The answer then solves the regularised problem; report.residual says how well
+  /// the given one. RT: no heap, no lock, no throw.
   [[nodiscard]] LcpReport solve_regularised(const Eigen::Ref<const Eigen::MatrixXd>& F,
                                             const Eigen::Ref<const Eigen::VectorXd>& q,
                                             Eigen::Ref<Eigen::VectorXd> lambda) noexcept;

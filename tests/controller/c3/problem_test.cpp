@@ -88,7 +88,8 @@ TEST_CASE("bounds: wrong length, NaN and crossed limits are refused by name") {
 }
 
 TEST_CASE("sizes and settings: what cannot be is refused by name") {
-  REQUIRE_THROWS_WITH(check(Sizes{2, 0, 1, 3}), Equals("Sizes.n_lambda: expected 1 or more, got 0"));
+  REQUIRE_THROWS_WITH(check(Sizes{2, 0, 1, 3}),
+                      Equals("Sizes.n_lambda: expected 1 or more, got 0"));
   Settings settings = good_settings();
   REQUIRE_NOTHROW(check(settings));
   settings.admm_iterations = 0;

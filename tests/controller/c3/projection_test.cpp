@@ -60,7 +60,8 @@ double enumerate(const lcs::Lcs& lcs, const Sizes& sizes, const MatrixXd& U, con
     if (f.squaredNorm() >= best) continue;
     const VectorXd delta = v + half_inverse.transpose() * f;
     const double slack = -1e-9 * (1.0 + delta.norm());
-    if (sizes.lambda(delta).minCoeff() < slack || gap(lcs, sizes, delta).minCoeff() < slack) continue;
+    if (sizes.lambda(delta).minCoeff() < slack) continue;
+    if (gap(lcs, sizes, delta).minCoeff() < slack) continue;
     best = f.squaredNorm();
     if (minimiser != nullptr) *minimiser = delta;
   }
@@ -197,7 +198,8 @@ TEST_CASE("MIQP projection: coordinates without weight move as far as they like"
     const auto miqp = make_miqp_projection(sizes, 1000), lcp = make_lcp_projection(sizes);
     VectorXd by_miqp(sizes.n_z()), by_lcp(sizes.n_z());
     const VectorXd v = random.vector(sizes.n_z());
-    for (const auto& [projection, delta] : {std::pair{miqp.get(), &by_miqp}, {lcp.get(), &by_lcp}}) {
+    for (const auto& [projection, delta] :
+         {std::pair{miqp.get(), &by_miqp}, {lcp.get(), &by_lcp}}) {
       projection->set_weight(U);
       projection->start(lcs);
       REQUIRE(projection->project(v, *delta, {}).status == ProjectionStatus::kSolved);

@@ -78,8 +78,8 @@ TEST_CASE("solver: it runs s QPs and s - 1 projections, and its answer follows t
               .norm() < 1e-10);
     // every copy is a point of the LCP's set
     const VectorXd delta = solution.delta.col(k);
-    const VectorXd y =
-        p.lcs.E * sizes.x(delta) + p.lcs.F * sizes.lambda(delta) + p.lcs.H * sizes.u(delta) + p.lcs.c;
+    const VectorXd y = p.lcs.E * sizes.x(delta) + p.lcs.F * sizes.lambda(delta) +
+                       p.lcs.H * sizes.u(delta) + p.lcs.c;
     CHECK(y.cwiseMin(sizes.lambda(delta)).cwiseAbs().maxCoeff() < 1e-7);
   }
 }

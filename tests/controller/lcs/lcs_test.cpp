@@ -72,7 +72,8 @@ TEST_CASE("lcs: scaling the forces leaves the next state as it is and divides th
   lcs::Lemke lemke(12);
   support::Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
-    const VectorXd x = rolling_ball::state(random.uniform(-0.001, 0.004), random.uniform(-0.1, 0.1));
+    const VectorXd x =
+        rolling_ball::state(random.uniform(-0.001, 0.004), random.uniform(-0.1, 0.1));
     const VectorXd u = 0.2 * random.vector(3);
     const lcs::Lcs given = rolling_ball::unscaled_lcs(x, 0.1);
     lcs::Lcs scaled = given;

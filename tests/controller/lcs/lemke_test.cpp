@@ -106,7 +106,7 @@ TEST_CASE("lemke: equal rows, zero right sides and ties do not make it cycle") {
     }
     VectorXd q = -F * reachable;  // λ = reachable is feasible, so a solution exists
     for (int i = 0; i < n; ++i) {
-      if (reachable[i] == 0.0 && random.index(2) == 0) q[i] += std::round(2.0 * random.uniform(0, 1));
+      if (reachable[i] == 0.0) q[i] += random.index(3);
     }
     Lemke lemke(n);
     VectorXd lambda(n);
@@ -185,7 +185,8 @@ TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
   REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kInaccurate);
   REQUIRE(lambda.isZero());
   F(0, 1) = std::numeric_limits<double>::infinity();
-  REQUIRE(lemke.solve_regularised(F, Eigen::Vector2d(-1, -1), lambda).status == LcpStatus::kInaccurate);
+  REQUIRE(lemke.solve_regularised(F, Eigen::Vector2d(-1, -1), lambda).status ==
+          LcpStatus::kInaccurate);
   REQUIRE(lemke.solve(MatrixXd::Identity(3, 3), -VectorXd::Ones(3), lambda).status ==
           LcpStatus::kInaccurate);
 }
