@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/log.hpp"
+#include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
 
 namespace c3rt::cli {
@@ -16,10 +17,6 @@ constexpr int kDepth = 1024;    // a second of the fastest topic may wait until 
 constexpr double kStep = 1e-3;  // of the plant [s]
 
 double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-9; }
-
-double wall_time() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Eigen::Vector3d vector(const c3rt_v1_Vec3& value) { return {value[0], value[1], value[2]}; }
 
@@ -63,6 +60,8 @@ EstimateRow row_of(const wire::BallEstimate& sample) {
 }
 
 }  // namespace
+
+double wall_time() { return seconds(rt::now_ns()); }
 
 struct Recorder::Topics {
   Topics(wire::Bus& bus, const std::filesystem::path& directory, const Circle& circle)

@@ -36,6 +36,9 @@ struct Live {
   std::uint64_t steps = 0;  // 1 kHz cycles of the plant so far
 };
 
+/// Time of the wall since some zero [s].
+double wall_time();
+
 class Recorder {
  public:
   /// In lockstep the recorder is a process of its own in the plant's time and misses nothing; in

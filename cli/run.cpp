@@ -22,10 +22,6 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr double kLongestSilence =
     60.0;  // of the plant, while the others start or a tick is worked on [s]
 
-double wall_time() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// How a run ended before its goal.
 struct Ending {
   bool interrupted = false;

@@ -1,11 +1,9 @@
 // The command as a person meets it: the installed program, with small shells in the place of the
 // four processes.
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -14,6 +12,7 @@
 #include <unistd.h>
 
 #include "cli/lock.hpp"
+#include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
 
 namespace {
@@ -83,15 +82,6 @@ class Place {
  private:
   Folder folder_;
 };
-
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 2000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
 
 }  // namespace
 

@@ -1,10 +1,8 @@
 // With small shells in the place of the four processes.
 #include "cli/supervisor.hpp"
 
-#include <chrono>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include <catch2/catch.hpp>
 #include <signal.h>
@@ -12,6 +10,7 @@
 #include <unistd.h>
 
 #include "cli/paths.hpp"
+#include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
 
 namespace {
@@ -21,16 +20,6 @@ namespace fs = std::filesystem;
 
 ChildSpec shell(const Folder& folder, const std::string& name, const std::string& script) {
   return {name, {"/bin/bash", "-c", script}, folder.path() / "logs" / (name + ".log")};
-}
-
-/// Waits for something that another process does; false after ten seconds.
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 1000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
 }
 
 pid_t pid_in(const fs::path& file) {
