@@ -47,7 +47,7 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
   const VectorXd weight = rolling_ball::costs(rolling_ball::Phase::kRoll).U.diagonal();
   const auto projection = make_miqp_projection(rolling_ball::sizes(), 1 << 20);
   projection->set_weight(weight.asDiagonal());
-  for (int trial = 0; trial < 4; ++trial) {
+  for (int trial = 0; trial < 2; ++trial) {
     const VectorXd x = rolling_ball::state(random.uniform(-0.002, 0.01), random.uniform(-0.3, 0.3));
     const lcs::Lcs lcs = rolling_ball::lcs(x);
     VectorXd v(34), delta(34);
