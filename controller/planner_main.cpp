@@ -254,7 +254,7 @@ void run(const config::ProcessOptions& options) {
       mode = plan.mode;
       static constexpr const char* kNames[] = {"wait", "approach", "roll", "return", "hold"};
       status.set_state(mode == planner::Mode::kHold ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
-                       mode == planner::Mode::kHold ? "holding: no ball in view, or asked to hold"
+                       mode == planner::Mode::kHold ? "holding: no ball in view or in reach, or asked to hold"
                                                     : kNames[static_cast<int>(mode)]);
     }
   }

@@ -96,6 +96,11 @@ Parameters load_parameters(config::Section section, const CircleTask& circle) {
   parameters.approach.safe_height = approach.number("safe_height_m", {0.05, 0.5});
   parameters.approach.start_height = approach.number("start_height_above_ball_m", {0.01, 0.3});
   parameters.approach.tolerance = approach.number("tolerance_m", {1e-4, 0.05});
+  parameters.approach.leash = approach.number("leash_m", {1e-3, 1});
+  parameters.approach.reach_min = approach.numbers("reach_min_m", 2, {-2, 2});
+  parameters.approach.reach_max = approach.numbers("reach_max_m", 2, {-2, 2});
+  if ((parameters.approach.reach_min.array() >= parameters.approach.reach_max.array()).any())
+    approach.fail("reach_max_m", "every entry above that of reach_min_m", "one that is not");
   parameters.approach.settle_time = approach.number("settle_time_s", {0, 10});
   section.finish();
   return parameters;

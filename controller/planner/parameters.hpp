@@ -31,6 +31,8 @@ struct ApproachParameters {
   double safe_height;          // travels at this height above the table [m]
   double start_height;         // above the ball's centre where C3 takes over [m]
   double tolerance;            // start pose reached [m]
+  double leash;                // the reference waits for an arm that is farther behind than this [m]
+  Eigen::Vector2d reach_min, reach_max;  // a ball outside this box of the table is out of reach, in W [m]
   double settle_time;          // C3 starts after this long in the start pose with a ball in view [s]
 };
 

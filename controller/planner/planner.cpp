@@ -60,7 +60,7 @@ Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
 
 Mode next(Mode mode, const Situation& situation) {
   if (!situation.state_fresh) return Mode::kWait;
-  if (!situation.ball_fresh || situation.hold_requested) return Mode::kHold;
+  if (!situation.ball_at_hand || situation.hold_requested) return Mode::kHold;
   switch (mode) {
     case Mode::kWait:
     case Mode::kHold:
@@ -123,8 +123,11 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 
   Situation situation{};
   situation.state_fresh = input.state_fresh && input.p_WE.allFinite() && input.v_WE.allFinite();
-  situation.ball_fresh = input.ball_fresh && input.p_WB.allFinite() && input.v_WB.allFinite() &&
-                         input.omega_WB.allFinite() && input.q_WB.coeffs().allFinite();
+  const ApproachParameters& reach = parameters_.approach;
+  situation.ball_at_hand = input.ball_fresh && input.p_WB.allFinite() && input.v_WB.allFinite() &&
+                           input.omega_WB.allFinite() && input.q_WB.coeffs().allFinite() &&
+                           (input.p_WB.head<2>().array() >= reach.reach_min.array()).all() &&
+                           (input.p_WB.head<2>().array() <= reach.reach_max.array()).all();
   situation.hold_requested = input.hold_requested;
   situation.start_pose_reached = settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
@@ -140,7 +143,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       settled_since_ = -1.0;
     }
     if (previous == Mode::kApproach && mode_ == Mode::kReturn) c3_since_ = input.now;
-    if (in_c3 && !situation.ball_fresh) ++counters_.ball_lost;
+    if (in_c3 && !situation.ball_at_hand) ++counters_.ball_lost;
   }
 
   switch (mode_) {
@@ -151,7 +154,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     case Mode::kHold: {
       // out of the cameras' way, where it can start again from
       const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-      reference_.z() = std::max(reference_.z(), std::min(safe, reference_.z() + parameters_.approach.speed * period));
+      (void)advance_reference(input, {reference_.x(), reference_.y(), std::max(reference_.z(), safe)});
       hold(reference_);
       break;
     }
@@ -180,6 +183,17 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
   plan_.complementarity_violation = 0.0;
 }
 
+// One period's step towards the goal; @return whether it is reached. An arm that does not follow (stopped by a person, a
+// reflex) is waited for, so that it finds the reference near by when it moves again.
+bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept {
+  if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) return false;
+  const Eigen::Vector3d way = goal - reference_;
+  const double step = parameters_.approach.speed * workspace_->periods.back();
+  const bool arrives = way.norm() <= step;
+  reference_ = arrives ? goal : Eigen::Vector3d(reference_ + way.normalized() * step);
+  return arrives;
+}
+
 void Planner::approach(const Input& input) noexcept {
   const double period = workspace_->periods.back();
   const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
@@ -192,12 +206,10 @@ void Planner::approach(const Input& input) noexcept {
   } else if (!above) {
     goal.z() = safe;
   }
-  const Eigen::Vector3d way = goal - reference_;
-  const double step = parameters_.approach.speed * period;
-  const bool arrives = way.norm() <= step;
-  reference_ = arrives ? goal : Eigen::Vector3d(reference_ + way.normalized() * step);
+  const Eigen::Vector3d before = reference_;
+  const bool arrived = advance_reference(input, goal);
   hold(reference_);
-  if (!arrives) plan_.v_WE = way.normalized() * parameters_.approach.speed;
+  if (!arrived) plan_.v_WE = (reference_ - before) / period;
   const Eigen::Vector2d target = circle_target(input.circle, input.p_WB.head<2>());
   plan_.ball_target << target, input.p_WB.z();
   if ((input.p_WE - start).norm() > parameters_.approach.tolerance) {

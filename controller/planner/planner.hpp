@@ -16,7 +16,7 @@ enum class Mode { kWait, kApproach, kRoll, kReturn, kHold };
 /// The mode logic alone, as a table: what comes next, given what is known.
 struct Situation {
   bool state_fresh;       // the robot's state is known
-  bool ball_fresh;        // a valid ball estimate younger than the timeout
+  bool ball_at_hand;      // a valid ball estimate younger than the timeout, within reach
   bool hold_requested;    // a client asks to hold
   bool start_pose_reached;  // the approach has settled above the ball
   bool returning;         // Phase II of the heuristic
@@ -76,6 +76,7 @@ class Planner {
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;
+  bool advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept;
 
   Parameters parameters_;
   Plan plan_;

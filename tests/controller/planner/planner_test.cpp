@@ -115,6 +115,27 @@ TEST_CASE("planner: a lost ball makes it hold out of the way, and a ball that is
   CHECK(follower.planner.step(input_at(follower.now, where)).mode == Mode::kApproach);
 }
 
+TEST_CASE("planner: a ball out of reach is waited for, not followed") {
+  Planner planner(parameters());
+  Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
+  input.p_WB.x() = 0.9;
+  CHECK(planner.step(input).mode == Mode::kHold);
+  CHECK(planner.step(input_at(0.1, Vector3d(0.55, 0.0, 0.1))).mode == Mode::kApproach);
+}
+
+TEST_CASE("planner: the approach waits for an arm that does not follow, and goes on when it does") {
+  const Parameters p = parameters();
+  Planner planner(p);
+  const Vector3d stuck(0.55, -0.1, 0.04);
+  double now = 0.0;
+  Vector3d reference;
+  for (int i = 0; i < 500; ++i) reference = planner.step(input_at(now += 1.0 / p.rate, stuck)).p_WE;
+  CHECK((reference - stuck).norm() <= p.approach.leash + p.approach.speed / p.rate);
+  CHECK(planner.step(input_at(now += 1.0 / p.rate, stuck)).v_WE.isZero());
+  const Vector3d next = planner.step(input_at(now += 1.0 / p.rate, reference)).p_WE;
+  CHECK(next.z() > reference.z());
+}
+
 TEST_CASE("planner: numbers that are not finite count as not there") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Planner planner(parameters());
