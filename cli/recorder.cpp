@@ -104,6 +104,8 @@ struct Recorder::Topics {
   TopicLog<wire::BallDetection> detection_log;
   LoopCounter loops;
   std::int64_t rolling_since = 0;  // 0: not yet [ns]
+  std::size_t judged = 0;          // states looked at for a reflex
+  std::int64_t reflex_since = 0;   // 0: the robot is in none [ns]
   std::size_t counted = 0;         // rows of the scene that the loop counter has seen
   double wall_first = 0.0, wall_last = 0.0;
   std::uint64_t seq_first = 0, seq_last = 0;
@@ -196,6 +198,16 @@ bool Recorder::take_all(Topics& topics) {
       topics.seq_first = topics.seq_last;
     }
   }
+  for (; topics.judged < series_.state.size(); ++topics.judged) {
+    const StateRow& row = series_.state[topics.judged];
+    if (!row.reflex) {
+      topics.reflex_since = 0;
+    } else if (topics.reflex_since == 0) {
+      topics.reflex_since = row.time_ns;
+    }
+  }
+  const bool gave_up = topics.reflex_since != 0 && !series_.state.empty() &&
+                       seconds(series_.state.back().time_ns - topics.reflex_since) > kReflexPatience;
   drain(topics.command, topics.command_log, series_.command, command);
   const std::size_t plans_before = series_.plan.size();
   const bool has_plan = drain(topics.plan, topics.plan_log, series_.plan, plan);
@@ -229,7 +241,8 @@ bool Recorder::take_all(Topics& topics) {
   live_.turns = topics.loops.turns();
   live_.loops = topics.loops.completed();
   live_.steps = topics.seq_last;
-  return topics.loops.completed() >= goal_.loops || live_.time >= goal_.duration;
+  live_.robot_stopped = gave_up;
+  return gave_up || topics.loops.completed() >= goal_.loops || live_.time >= goal_.duration;
 }
 
 }  // namespace c3rt::cli

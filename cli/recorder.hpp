@@ -34,7 +34,11 @@ struct Live {
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
   std::uint64_t steps = 0;  // 1 kHz cycles of the plant so far
+  bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
 };
+
+/// Nobody recovered the robot for this long: the rest of the run would show an arm at rest. [s]
+constexpr double kReflexPatience = 3.0;
 
 /// Time of the wall since some zero [s].
 double wall_time();

@@ -137,6 +137,9 @@ int run(const LaunchSettings& settings) {
     report.result = ending.failed;
   } else if (ending.interrupted) {
     report.result = "interrupted";
+  } else if (live.robot_stopped) {
+    report.result = "the robot stopped";
+    for (const std::string& reflex : report.reflexes) report.result += ": " + reflex;
   } else {
     report.result = met ? "passed" : "criteria not met";
   }
@@ -154,7 +157,7 @@ int run(const LaunchSettings& settings) {
     fmt::print(stderr, "c3rt: error: {}\n", ending.details);
     return kProcessFailed;
   }
-  return met && !ending.interrupted ? kDone : kCriterionFailed;
+  return met && !ending.interrupted && !live.robot_stopped ? kDone : kCriterionFailed;
 }
 
 }  // namespace c3rt::cli

@@ -25,7 +25,7 @@ std::optional<ProcessOptions> parse_process_options(int argc, char** argv, const
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    exit_status = app.exit(error) == 0 ? 0 : 2;
+    exit_status = app.exit(error) == 0 ? kStopped : kCouldNotStart;
     return std::nullopt;
   }
   return options;

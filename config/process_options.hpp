@@ -7,6 +7,11 @@
 
 namespace c3rt::config {
 
+/// How a process ends. A supervisor reads it; c3rt's own exit status is another matter.
+constexpr int kStopped = 0;             // by a signal or a request
+constexpr int kFailedWhileRunning = 1;  // a sentence on stderr or in the log says why
+constexpr int kCouldNotStart = 2;       // usage, scenario, model or bus; a sentence on stderr
+
 enum class Clock { kRealtime, kLockstep };
 
 struct ProcessOptions {

@@ -19,6 +19,7 @@
 #include "config/scenario.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
+#include "idl/bus_settings.hpp"
 #include "idl/process.hpp"
 #include "plant_emulator/messages.hpp"
 #include "plant_emulator/orders.hpp"
@@ -369,22 +370,22 @@ int run(int argc, char** argv) {
   const config::Scenario scenario =
       config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
-  const std::uint64_t session = options->session != 0 ? options->session : wire::draw_session();
-  wire::Bus bus({options->domain, options->dds_profile,
-                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime, session});
+  wire::BusSettings settings = wire::bus_settings(*options);
+  if (settings.session_id == 0) settings.session_id = wire::draw_session();
+  wire::Bus bus(settings);
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT);
   const auto cycle = std::make_unique<Cycle>(scenario, status);
   spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
-               lockstep ? "lockstep" : "realtime", session, scenario.plant.world.step,
+               lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
                scenario.plant.world.balls.size());
   const std::string failure = lockstep ? run_lockstep(bus, *cycle, status, options->expect)
                                        : run_realtime(bus, *cycle, status);
   if (!failure.empty()) {
     spdlog::error("stop: {}", failure);
-    return 1;
+    return config::kFailedWhileRunning;
   }
   spdlog::info("stop");
-  return 0;
+  return config::kStopped;
 }
 
 }  // namespace
@@ -397,5 +398,5 @@ int main(int argc, char** argv) try {
   return c3rt::plant::run(argc, argv);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "c3rt-plant: %s\n", error.what());
-  return 2;
+  return c3rt::config::kCouldNotStart;
 }

@@ -22,7 +22,7 @@ function(refuse pattern expression why)
   endforeach()
 endfunction()
 
-set(except "load_parameters|impedance_main|/service\\.|/servo\\.")
+set(except "load_parameters|_main\\.cpp|/service\\.|/servo\\.")
 foreach(room lcs c3 model impedance planner)
   refuse(controller/${room}/ "<dds/|\"idl/|\"config/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco"
     "a pure room may not")

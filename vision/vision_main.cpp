@@ -17,6 +17,7 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
 #include "idl/dds.hpp"
+#include "idl/bus_settings.hpp"
 #include "idl/process.hpp"
 #include "idl/shutdown_listener.hpp"
 #include "vision/emulated.hpp"
@@ -336,11 +337,12 @@ void run_realtime(wire::Bus& bus, Service& service) {
   }
 }
 
-void run_lockstep(wire::Bus& bus, Service& service, double rate) {
+/// @return why it ended, empty for a requested stop
+std::string run_lockstep(wire::Bus& bus, Service& service, double rate) {
   wire::Loop loop(bus, {c3rt_v1_PROCESS_VISION, nanoseconds(1.0 / rate)});
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) service.serve(now_ns);
-  if (!loop.failure().empty()) throw wire::WireError(loop.failure());
+  return loop.failure();
 }
 
 int run(int argc, char** argv) {
@@ -356,23 +358,25 @@ int run(int argc, char** argv) {
   const config::Scenario scenario =
       config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
-  wire::Bus bus({options->domain, options->dds_profile,
-                 lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime,
-                 options->session});
+  wire::Bus bus(wire::bus_settings(*options));
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION);
   Service service(scenario, *options, bus, status);
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
                scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated",
                scenario.vision.rate, scenario.vision.cameras.size());
   if (lockstep) {
-    run_lockstep(bus, service, scenario.vision.rate);
+    const std::string failure = run_lockstep(bus, service, scenario.vision.rate);
+    if (!failure.empty()) {
+      spdlog::error("stop: {}", failure);
+      return config::kFailedWhileRunning;
+    }
   } else {
     run_realtime(bus, service);
   }
   spdlog::info("stop exposures={} dropped_frames={} lost_events={}",
                status.counter("exposures").load(), status.counter("dropped_frames").load(),
                status.counter("lost_events").load());
-  return 0;
+  return config::kStopped;
 }
 
 }  // namespace
@@ -380,10 +384,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) try {
   return c3rt::vision::run(argc, argv);
-} catch (const c3rt::config::ConfigError& error) {
-  std::fprintf(stderr, "c3rt-vision: %s\n", error.what());
-  return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "c3rt-vision: %s\n", error.what());
-  return 3;
+  return c3rt::config::kCouldNotStart;
 }

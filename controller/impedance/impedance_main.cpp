@@ -13,6 +13,7 @@
 #include "controller/impedance/servo.hpp"
 #include "controller/model/arm.hpp"
 #include "controller/rt/thread_setup.hpp"
+#include "idl/bus_settings.hpp"
 #include "idl/process.hpp"
 
 namespace {
@@ -20,17 +21,6 @@ namespace {
 using namespace c3rt;
 
 constexpr std::int64_t kServicePeriod_ns = 20'000'000;
-constexpr int kStopped = 0, kFailedWhileRunning = 1, kCouldNotStart = 2;
-
-wire::BusSettings bus_settings(const config::ProcessOptions& options) {
-  wire::BusSettings settings;
-  settings.domain = options.domain;
-  settings.profile_uri = options.dds_profile;
-  settings.clock = options.clock == config::Clock::kLockstep ? wire::ClockMode::kLockstep
-                                                             : wire::ClockMode::kRealtime;
-  settings.session_id = options.session;
-  return settings;
-}
 
 /// One loud warning for whatever the kernel refuses; the process runs all the same.
 void set_up_thread(const rt::ThreadSettings& settings) {
@@ -57,7 +47,7 @@ int run(const config::ProcessOptions& options) {
       config::load_scenario(options.scenario_path, options.overrides).impedance;
   model::Arm arm(parameters.urdf_path.empty() ? model::panda_urdf_path() : parameters.urdf_path);
 
-  wire::Bus bus(bus_settings(options));
+  wire::Bus bus(wire::bus_settings(options));
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE);
   impedance::Servo servo(bus, parameters, std::move(arm), status.compute());
   impedance::Service service(bus, servo, status);
@@ -99,11 +89,11 @@ int run(const config::ProcessOptions& options) {
   }
   if (loop.failure().empty()) {
     spdlog::info("stopped on request missed_cycles={}", loop.missed_cycles());
-    return kStopped;
+    return config::kStopped;
   }
   spdlog::error("{}", loop.failure());
   status.set_state(c3rt_v1_SERVICE_FAILED, loop.failure());
-  return kFailedWhileRunning;
+  return config::kFailedWhileRunning;
 }
 
 }  // namespace
@@ -112,13 +102,13 @@ int main(int argc, char** argv) {
   const wire::StopFlag stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("impedance"));
   try {
-    int exit_status = kStopped;
+    int exit_status = config::kStopped;
     const std::optional<config::ProcessOptions> options = config::parse_process_options(
         argc, argv, "c3rt-impedance", "tracks the planner's plan with the arm at 1 kHz",
         exit_status);
     return options ? run(*options) : exit_status;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kCouldNotStart;
+    return config::kCouldNotStart;
   }
 }

@@ -9,14 +9,11 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "plant_emulator/plant.hpp"
-
-extern char** environ;
+#include "tests/support/child_process.hpp"
 
 namespace c3rt::plant {
 namespace {
@@ -28,39 +25,11 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 
 std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
 
-/// c3rt-plant as a child process; killed if the test forgets it.
-class Child {
- public:
-  explicit Child(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-plant");
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    REQUIRE(posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) == 0);
-  }
-  ~Child() {
-    if (pid_ > 0) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
-  }
-  void signal(int number) const { kill(pid_, number); }
-  /// Exit status; -1 if a signal ended it.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
+struct Child : test::ChildProcess {
+  explicit Child(const std::string& scenario, const std::vector<std::string>& more = {})
+      : ChildProcess(test::process_command("c3rt-plant", scenario, test_domain(), more)) {}
 };
 
-std::vector<std::string> arguments(const std::string& clock) {
-  return {kScenario,       "--clock", clock, "--domain", std::to_string(test_domain()),
-          "--dds-profile", kProfile};
-}
 
 /// Turns the controller's cycle until `done`, at most 20 s.
 bool until(const std::function<bool()>& done, const std::function<void()>& cycle) {
@@ -77,7 +46,7 @@ bool until(const std::function<bool()>& done, const std::function<void()>& cycle
 TEST_CASE(
     "in realtime the plant moves while it is commanded, stops when it is not, and recovers on "
     "request") {
-  Child child(arguments("realtime"));
+  Child child(kScenario, {"--clock", "realtime"});
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
@@ -174,9 +143,9 @@ struct Trace {
 
 /// The states and scenes of 0.4 s in lockstep while a joint spring holds the arm.
 Trace lockstep_trace() {
-  std::vector<std::string> with_controller = arguments("lockstep");
+  std::vector<std::string> with_controller{"--clock", "lockstep"};
   with_controller.insert(with_controller.end(), {"--expect", "impedance"});
-  Child child(with_controller);
+  Child child(kScenario, with_controller);
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
@@ -219,10 +188,10 @@ TEST_CASE(
 TEST_CASE(
     "a scenario that is not there or a process that cannot be expected is refused with exit status "
     "2") {
-  CHECK(Child({"/nowhere.yaml"}).wait() == 2);
-  std::vector<std::string> wrong = arguments("lockstep");
+  CHECK(Child("/nowhere.yaml").wait() == 2);
+  std::vector<std::string> wrong{"--clock", "lockstep"};
   wrong.insert(wrong.end(), {"--expect", "nobody"});
-  CHECK(Child(wrong).wait() == 2);
+  CHECK(Child(kScenario, wrong).wait() == 2);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 // One of our programs as a child of a test; killed if the test forgets it.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,15 @@ namespace c3rt::test {
 
 /// Path of one of the project's programs in this build.
 inline std::string program(const std::string& name) { return std::string(C3RT_BINARY_DIRECTORY) + "/bin/" + name; }
+
+/// The command of one of the four processes on a domain of loopback.
+inline std::vector<std::string> process_command(const std::string& name, const std::string& scenario,
+                                                std::uint32_t domain, const std::vector<std::string>& more) {
+  std::vector<std::string> command{program(name), scenario, "--domain", std::to_string(domain), "--dds-profile",
+                                   C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml"};
+  command.insert(command.end(), more.begin(), more.end());
+  return command;
+}
 
 class ChildProcess {
  public:

@@ -11,13 +11,10 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
-
-extern char** environ;
+#include "tests/support/child_process.hpp"
 
 namespace c3rt::vision {
 namespace {
@@ -52,43 +49,10 @@ std::string camera_scenario() {
 
 std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
 
-/// c3rt-vision as a child process; killed if the test forgets it.
-class Child {
- public:
-  explicit Child(const std::string& scenario, const std::string& clock,
-                 std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {std::string(C3RT_BINARY_DIRECTORY) + "/bin/c3rt-vision",
-                                          scenario,
-                                          "--clock",
-                                          clock,
-                                          "--domain",
-                                          std::to_string(test_domain()),
-                                          "--dds-profile",
-                                          kProfile};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    REQUIRE(posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) == 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  void signal(int number) const { kill(pid_, number); }
-  /// Exit status; -1 if a signal ended it.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
+struct Child : test::ChildProcess {
+  Child(const std::string& scenario, const std::string& clock, std::vector<std::string> more = {})
+      : ChildProcess(test::process_command("c3rt-vision", scenario, test_domain(),
+                                           (more.insert(more.end(), {"--clock", clock}), more))) {}
 };
 
 /// A ball that rolls along the circle at 0.08 m/s below an arm at rest.
@@ -299,7 +263,8 @@ TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the p
 
 TEST_CASE("a scenario that asks for the impossible is refused before anything starts") {
   const std::string scenario = kSource + "/config/scenarios/circle_slow.yaml";
-  Child without_cameras(scenario, "lockstep", {"--set", "vision.source=cameras"});
+  Child without_cameras(scenario, "lockstep", 
+                        {"--set", "vision.source=cameras", "--set", "vision.cameras=[]"});
   CHECK(without_cameras.wait() == 2);
   Child unknown(scenario, "lockstep", {"--set", "vision.rate=80"});
   CHECK(unknown.wait() == 2);

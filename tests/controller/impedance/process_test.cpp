@@ -10,14 +10,11 @@
 
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "controller/model/arm.hpp"
 #include "tests/idl/bus_fixture.hpp"
-
-extern char** environ;
+#include "tests/support/child_process.hpp"
 
 namespace c3rt::impedance {
 namespace {
@@ -30,40 +27,9 @@ using wire::test::kSecond;
 
 const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
 
-/// c3rt-impedance as a child process; killed if the test forgets it.
-class Child {
- public:
-  explicit Child(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {C3RT_BINARY_DIRECTORY "/bin/c3rt-impedance",
-                                          kScenario,
-                                          "--domain",
-                                          std::to_string(kDomain),
-                                          "--dds-profile",
-                                          C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    REQUIRE(posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) == 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  void signal(int number) const { kill(pid_, number); }
-  /// Exit status; -1 if a signal ended it.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
+struct Child : test::ChildProcess {
+  explicit Child(const std::vector<std::string>& more)
+      : ChildProcess(test::process_command("c3rt-impedance", kScenario, kDomain, more)) {}
 };
 
 /// The exact arm under the commands of a lockstep run, and a planner that leads it along a circle

@@ -17,13 +17,10 @@ using wire::test::kSecond;
 namespace {
 
 const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
-const std::string kProfile = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
 
-std::vector<std::string> command(const std::string& clock, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> arguments = {test::program("c3rt-planner"), kScenario, "--clock", clock, "--domain",
-                                        std::to_string(wire::test::kDomain), "--dds-profile", kProfile};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
+std::vector<std::string> command(const std::string& clock, std::vector<std::string> more = {}) {
+  more.insert(more.end(), {"--clock", clock});
+  return test::process_command("c3rt-planner", kScenario, wire::test::kDomain, more);
 }
 
 /// The robot at rest in its start pose and the ball at the start of the circle, in lockstep.

@@ -12,6 +12,7 @@
 #include "controller/planner/planner.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
+#include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
 #include "idl/process.hpp"
 
@@ -184,12 +185,11 @@ struct DeadlineClock {
   static bool reached(void* context) noexcept { return rt::now_ns() >= static_cast<DeadlineClock*>(context)->at_ns; }
 };
 
-void run(const config::ProcessOptions& options) {
+int run(const config::ProcessOptions& options) {
   const config::Scenario scenario = config::load_scenario(options.scenario_path, options.overrides);
   const planner::Parameters& parameters = scenario.planner;
   const bool realtime = options.clock == config::Clock::kRealtime;
-  wire::Bus bus({options.domain, options.dds_profile,
-                 realtime ? wire::ClockMode::kRealtime : wire::ClockMode::kLockstep, options.session});
+  wire::Bus bus(wire::bus_settings(options));
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANNER);
   auto& plans = status.counter("plans");
   auto& overruns = status.counter("overruns");
@@ -258,10 +258,14 @@ void run(const config::ProcessOptions& options) {
                                                     : kNames[static_cast<int>(mode)]);
     }
   }
-  if (!loop.failure().empty()) throw wire::WireError(loop.failure());
+  if (!loop.failure().empty()) {
+    spdlog::error("planner: stop: {}", loop.failure());
+    return config::kFailedWhileRunning;
+  }
   spdlog::info("planner: stop plans={} truncated={} fallbacks={} ball_lost={} lcp_failures={} speed_clamped={}",
                plans.load(), planner.counters().truncated, planner.counters().fallbacks, planner.counters().ball_lost,
                planner.counters().lcp_failures, planner.counters().speed_clamped);
+  return config::kStopped;
 }
 
 }  // namespace
@@ -274,13 +278,9 @@ int main(int argc, char** argv) {
   if (!options) return exit_status;
   const c3rt::wire::StopFlag stop;
   try {
-    run(*options);
-    return 0;
-  } catch (const c3rt::config::ConfigError& error) {
-    std::fprintf(stderr, "c3rt-planner: %s\n", error.what());
-    return 2;
+    return run(*options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "c3rt-planner: %s\n", error.what());
-    return 3;
+    return c3rt::config::kCouldNotStart;
   }
 }
