@@ -206,8 +206,9 @@ bool Recorder::take_all(Topics& topics) {
       topics.reflex_since = row.time_ns;
     }
   }
-  const bool gave_up = topics.reflex_since != 0 && !series_.state.empty() &&
-                       seconds(series_.state.back().time_ns - topics.reflex_since) > kReflexPatience;
+  const bool gave_up =
+      topics.reflex_since != 0 && !series_.state.empty() &&
+      seconds(series_.state.back().time_ns - topics.reflex_since) > kReflexPatience;
   drain(topics.command, topics.command_log, series_.command, command);
   const std::size_t plans_before = series_.plan.size();
   const bool has_plan = drain(topics.plan, topics.plan_log, series_.plan, plan);

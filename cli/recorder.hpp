@@ -33,7 +33,7 @@ struct Live {
   double ball_error = kNone;  // newest distance to the path [m]
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
-  std::uint64_t steps = 0;  // 1 kHz cycles of the plant so far
+  std::uint64_t steps = 0;     // 1 kHz cycles of the plant so far
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
 };
 

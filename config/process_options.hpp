@@ -19,14 +19,17 @@ struct ProcessOptions {
   std::vector<std::string> overrides;  // "planner.rate_hz=75"
   Clock clock = Clock::kRealtime;
   std::uint64_t seed = 1;
-  std::uint64_t session = 0;           // 0: the plant draws one, the others adopt it
+  std::uint64_t session = 0;  // 0: the plant draws one, the others adopt it
   std::uint32_t domain = 0;
-  std::string dds_profile;             // empty: the environment's CYCLONEDDS_URI
-  std::vector<std::string> expect;     // plant, lockstep: the processes that must join before time starts
+  std::string dds_profile;  // empty: the environment's CYCLONEDDS_URI
+  std::vector<std::string>
+      expect;  // plant, lockstep: the processes that must join before time starts
 };
 
-/// @return nothing when the call is already answered (--help, or a usage error); exit_status says how to exit.
+/// @return nothing when the call is already answered (--help, or a usage error); exit_status says
+/// how to exit.
 std::optional<ProcessOptions> parse_process_options(int argc, char** argv, const std::string& name,
-                                                    const std::string& description, int& exit_status);
+                                                    const std::string& description,
+                                                    int& exit_status);
 
 }  // namespace c3rt::config

@@ -23,13 +23,17 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
   for (Section& section : sections) {
     Criterion criterion;
     const std::initializer_list<std::pair<const char*, const char*>> names = {
-        {"loops_completed", "loops_completed"},         {"max_loop_time_s", "max_loop_time_s"},
-        {"in_band_2cm", "in_band_2cm"},                 {"in_band_1cm", "in_band_1cm"},
-        {"tracking_error_p95_m", "tracking_error_p95_m"}, {"vision_error_p95_m", "vision_error_p95_m"}};
+        {"loops_completed", "loops_completed"},
+        {"max_loop_time_s", "max_loop_time_s"},
+        {"in_band_2cm", "in_band_2cm"},
+        {"in_band_1cm", "in_band_1cm"},
+        {"tracking_error_p95_m", "tracking_error_p95_m"},
+        {"vision_error_p95_m", "vision_error_p95_m"}};
     criterion.name = section.choice<const char*>("name", names);
     if (section.has("min")) criterion.min = section.number("min", {-1e9, 1e9});
     if (section.has("max")) criterion.max = section.number("max", {-1e9, 1e9});
-    if (!criterion.min && !criterion.max) section.fail("name", "min, max or both beside it", "neither");
+    if (!criterion.min && !criterion.max)
+      section.fail("name", "min, max or both beside it", "neither");
     criteria.push_back(criterion);
   }
   return criteria;

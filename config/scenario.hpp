@@ -14,20 +14,21 @@ namespace c3rt::config {
 
 struct Task {
   planner::CircleTask circle;
-  int loops;            // the run ends when the ball has gone round this often
-  double duration_s;    // or after this long
+  int loops;          // the run ends when the ball has gone round this often
+  double duration_s;  // or after this long
 };
 
 /// A bound on one value of the report; the run's criteria are met if all are.
 struct Criterion {
-  std::string name;     // loops_completed, max_loop_time_s, in_band_2cm, in_band_1cm, tracking_error_p95_m, …
+  std::string
+      name;  // loops_completed, max_loop_time_s, in_band_2cm, in_band_1cm, tracking_error_p95_m, …
   std::optional<double> min, max;
 };
 
 /// Lockstep takes these from here instead of from the machine.
 struct Timing {
-  double solve_time_s;       // of the planner
-  double vision_latency_s;   // exposure to estimate
+  double solve_time_s;      // of the planner
+  double vision_latency_s;  // exposure to estimate
 };
 
 struct Scenario {

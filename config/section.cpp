@@ -16,7 +16,9 @@ struct Section::Node {
   std::set<std::string> read;
   std::vector<std::shared_ptr<Node>> children;
 
-  std::string key_path(const std::string& key) const { return path.empty() ? key : path + "." + key; }
+  std::string key_path(const std::string& key) const {
+    return path.empty() ? key : path + "." + key;
+  }
 };
 
 namespace {
@@ -46,7 +48,8 @@ std::string content(const YAML::Node& node) {
   return "nothing";
 }
 
-// YAML reads 1e-3 but not every number that a person writes; std::stod with a full match is the rule here.
+// YAML reads 1e-3 but not every number that a person writes; std::stod with a full match is the
+// rule here.
 bool to_number(const YAML::Node& node, double& value) {
   if (!node.IsScalar()) return false;
   const std::string& text = node.Scalar();
@@ -62,7 +65,8 @@ bool to_number(const YAML::Node& node, double& value) {
 void apply_override(YAML::Node& root, const std::string& file, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw ConfigError("--set " + text + ": expected key=value, for example --set planner.rate_hz=75");
+    throw ConfigError("--set " + text +
+                      ": expected key=value, for example --set planner.rate_hz=75");
   const std::string path = text.substr(0, equals);
   YAML::Node value;
   try {
@@ -82,13 +86,15 @@ void apply_override(YAML::Node& root, const std::string& file, const std::string
     if (parent.IsMap()) {
       for (const auto& entry : parent)
         if (entry.first.Scalar() == keys[i]) child.reset(entry.second);
-    } else if (parent.IsSequence() && keys[i].find_first_not_of("0123456789") == std::string::npos &&
-               keys[i].size() < 6 && std::stoul(keys[i]) < parent.size()) {
+    } else if (parent.IsSequence() &&
+               keys[i].find_first_not_of("0123456789") == std::string::npos && keys[i].size() < 6 &&
+               std::stoul(keys[i]) < parent.size()) {
       child.reset(parent[std::stoul(keys[i])]);
     } else {
       throw ConfigError("--set " + path + ": no such key in " + file);
     }
-    if (!child.IsDefined() || child.IsNull()) throw ConfigError("--set " + path + ": no such key in " + file);
+    if (!child.IsDefined() || child.IsNull())
+      throw ConfigError("--set " + path + ": no such key in " + file);
     chain.push_back(child);
   }
   YAML::Node parent = chain[chain.size() - 2];
@@ -101,10 +107,11 @@ void apply_override(YAML::Node& root, const std::string& file, const std::string
 
 }  // namespace
 
-void Section::fail(const std::string& key, const std::string& expected, const std::string& got) const {
+void Section::fail(const std::string& key, const std::string& expected,
+                   const std::string& got) const {
   const YAML::Node child = node_->yaml[key];
-  throw ConfigError(where(node_->file, child.IsDefined() ? child : node_->yaml) + ": " + node_->key_path(key) +
-                    ": expected " + expected + ", got " + got);
+  throw ConfigError(where(node_->file, child.IsDefined() ? child : node_->yaml) + ": " +
+                    node_->key_path(key) + ": expected " + expected + ", got " + got);
 }
 
 bool Section::has(const std::string& key) const { return node_->yaml[key].IsDefined(); }
@@ -132,7 +139,8 @@ double Section::number(const std::string& key, Range allowed) {
 int Section::integer(const std::string& key, Range allowed) {
   const YAML::Node child = require(*node_, key);
   double value = 0.0;
-  if (!to_number(child, value) || value != std::floor(value) || value < allowed.min || value > allowed.max)
+  if (!to_number(child, value) || value != std::floor(value) || value < allowed.min ||
+      value > allowed.max)
     fail(key, "an integer in " + range_text(allowed), content(child));
   return static_cast<int>(value);
 }
@@ -154,13 +162,15 @@ Eigen::VectorXd Section::numbers(const std::string& key, int size, Range allowed
   return numbers(key, size, size, allowed);
 }
 
-Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_size, Range allowed) {
+Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_size,
+                                 Range allowed) {
   const YAML::Node child = require(*node_, key);
   const std::string sizes = min_size == max_size
                                 ? std::to_string(min_size)
                                 : std::to_string(min_size) + " to " + std::to_string(max_size);
   const std::string expected = "a list of " + sizes + " numbers in " + range_text(allowed);
-  if (!child.IsSequence() || static_cast<int>(child.size()) < min_size || static_cast<int>(child.size()) > max_size)
+  if (!child.IsSequence() || static_cast<int>(child.size()) < min_size ||
+      static_cast<int>(child.size()) > max_size)
     fail(key, expected, content(child));
   Eigen::VectorXd values(static_cast<Eigen::Index>(child.size()));
   for (std::size_t i = 0; i < child.size(); ++i) {
@@ -188,11 +198,13 @@ std::vector<Section> Section::list(const std::string& key, int min_size, int max
   const YAML::Node child = require(*node_, key);
   const std::string expected =
       "a list of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " mappings";
-  if (!child.IsSequence() || static_cast<int>(child.size()) < min_size || static_cast<int>(child.size()) > max_size)
+  if (!child.IsSequence() || static_cast<int>(child.size()) < min_size ||
+      static_cast<int>(child.size()) > max_size)
     fail(key, expected, content(child));
   std::vector<Section> result;
   for (std::size_t i = 0; i < child.size(); ++i) {
-    if (!child[i].IsMap()) fail(key, expected, content(child[i]) + " at place " + std::to_string(i + 1));
+    if (!child[i].IsMap())
+      fail(key, expected, content(child[i]) + " at place " + std::to_string(i + 1));
     Section item;
     item.node_ = std::make_shared<Node>();
     item.node_->yaml.reset(child[i]);
@@ -211,9 +223,11 @@ void refuse_unread(const N& node) {
   for (const auto& entry : node.yaml) {
     const std::string key = entry.first.Scalar();
     if (!seen.insert(key).second)
-      throw ConfigError(where(node.file, entry.first) + ": " + node.key_path(key) + ": given twice");
+      throw ConfigError(where(node.file, entry.first) + ": " + node.key_path(key) +
+                        ": given twice");
     if (node.read.count(key) == 0)
-      throw ConfigError(where(node.file, entry.first) + ": " + node.key_path(key) + ": unknown key");
+      throw ConfigError(where(node.file, entry.first) + ": " + node.key_path(key) +
+                        ": unknown key");
   }
   for (const auto& child : node.children) refuse_unread(*child);
 }
@@ -227,9 +241,11 @@ Section Document::parse(const std::string& text, const std::string& name,
   try {
     root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigError(name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg);
+    throw ConfigError(name + ":" + std::to_string(error.mark.line + 1) +
+                      ": not YAML: " + error.msg);
   }
-  if (!root.IsMap()) throw ConfigError(name + ": expected a mapping of sections at the top, got " + content(root));
+  if (!root.IsMap())
+    throw ConfigError(name + ": expected a mapping of sections at the top, got " + content(root));
   for (const std::string& override_text : overrides) apply_override(root, name, override_text);
   Section section;
   section.node_ = std::make_shared<Section::Node>();

@@ -1,6 +1,6 @@
 #pragma once
-// YAML -> structs, strictly: unknown keys, wrong types, wrong sizes and values out of range are refused with
-// file, line, key and what was expected.
+// YAML -> structs, strictly: unknown keys, wrong types, wrong sizes and values out of range are
+// refused with file, line, key and what was expected.
 #include <initializer_list>
 #include <memory>
 #include <stdexcept>
@@ -46,13 +46,15 @@ class Section {
     fail(key, "one of " + names, "\"" + value + "\"");
   }
   bool has(const std::string& key) const;
-  Section section(const std::string& key);                  // a mapping below this one
-  std::vector<Section> list(const std::string& key, int min_size, int max_size);  // a list of mappings
+  Section section(const std::string& key);  // a mapping below this one
+  std::vector<Section> list(const std::string& key, int min_size,
+                            int max_size);  // a list of mappings
 
   /// Refuses keys that nobody read, in this mapping and in those below that were opened.
   void finish() const;
   /// Throws ConfigError for `key` of this section.
-  [[noreturn]] void fail(const std::string& key, const std::string& expected, const std::string& got) const;
+  [[noreturn]] void fail(const std::string& key, const std::string& expected,
+                         const std::string& got) const;
 
  private:
   friend class Document;
@@ -63,10 +65,12 @@ class Section {
 /// A scenario file with overrides applied.
 class Document {
  public:
-  /// @param overrides "planner.admm.iterations=2": replaces one existing key; an unknown one is refused
+  /// @param overrides "planner.admm.iterations=2": replaces one existing key; an unknown one is
+  /// refused
   /// @throws ConfigError if the file is missing, not YAML, or an override names no key
   static Section load(const std::string& path, const std::vector<std::string>& overrides = {});
-  static Section parse(const std::string& text, const std::string& name, const std::vector<std::string>& overrides = {});
+  static Section parse(const std::string& text, const std::string& name,
+                       const std::vector<std::string>& overrides = {});
 };
 
 }  // namespace c3rt::config

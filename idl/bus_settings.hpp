@@ -9,7 +9,8 @@ inline BusSettings bus_settings(const config::ProcessOptions& options) {
   BusSettings settings;
   settings.domain = options.domain;
   settings.profile_uri = options.dds_profile;
-  settings.clock = options.clock == config::Clock::kLockstep ? ClockMode::kLockstep : ClockMode::kRealtime;
+  settings.clock =
+      options.clock == config::Clock::kLockstep ? ClockMode::kLockstep : ClockMode::kRealtime;
   settings.session_id = options.session;
   return settings;
 }

@@ -134,14 +134,15 @@ class Inlet {
   /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of an
   /// older session. RT (realtime): no heap, no lock, no throw.
   bool take(T& out) noexcept { return realtime_ ? take_latest(out) : reader_.take_newest(out); }
-  /// The same, but only samples whose time has come: header.time_ns <= now_ns. Those that are early wait here.
-  /// RT (realtime): no heap, no lock, no throw.
+  /// The same, but only samples whose time has come: header.time_ns <= now_ns. Those that are early
+  /// wait here. RT (realtime): no heap, no lock, no throw.
   bool take(std::int64_t now_ns, T& out) noexcept {
     if (!realtime_) return reader_.take_effective(now_ns, out);
     if (take_latest(early_[next_early_])) next_early_ = (next_early_ + 1) % kEarly;
     T* newest = nullptr;
     for (T& sample : early_) {
-      const bool current = sample.header.session_id == 0 || sample.header.session_id == bus_.session_id();
+      const bool current =
+          sample.header.session_id == 0 || sample.header.session_id == bus_.session_id();
       if (!current) sample.header.seq = 0;
       const bool due = sample.header.seq != 0 && sample.header.time_ns <= now_ns;
       if (due && (newest == nullptr || sample.header.seq > newest->header.seq)) newest = &sample;

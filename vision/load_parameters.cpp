@@ -9,9 +9,10 @@ EstimatorParameters load_filter(config::Section section) {
   EstimatorParameters p{};
   p.position_weight = section.number("position_weight", {0.01, 1});
   p.velocity_weight = section.number("velocity_weight", {0.01, 1});
-  p.velocity_filter = section.choice<VelocityFilter>(
-      "velocity_filter",
-      {{"two_tap", VelocityFilter::kTwoTap}, {"recursive", VelocityFilter::kRecursive}, {"predicting", VelocityFilter::kPredicting}});
+  p.velocity_filter = section.choice<VelocityFilter>("velocity_filter",
+                                                     {{"two_tap", VelocityFilter::kTwoTap},
+                                                      {"recursive", VelocityFilter::kRecursive},
+                                                      {"predicting", VelocityFilter::kPredicting}});
   p.lost_after = section.number("lost_after_s", {0.01, 10});
   p.gate = section.number("gate_m", {0.001, 1});
   p.gate_misses = section.integer("gate_misses", {0, 1000});

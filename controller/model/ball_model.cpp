@@ -8,12 +8,17 @@ namespace {
 constexpr double kGravity = 9.81;  // [m/s²]
 using L = BallLayout;
 // velocities v = [v_WE; ω_WB; v_WB]
-constexpr int kVelocityEndEffector = 0, kVelocityOmega = 3, kVelocityBall = 6, kVelocities = 9, kPositions = 10;
+constexpr int kVelocityEndEffector = 0, kVelocityOmega = 3, kVelocityBall = 6, kVelocities = 9,
+              kPositions = 10;
 
-Eigen::Vector3d end_effector_normal(const BallState& state) { return (state.p_WE - state.p_WB).normalized(); }
+Eigen::Vector3d end_effector_normal(const BallState& state) {
+  return (state.p_WE - state.p_WB).normalized();
+}
 
-// rows of J_t: n_e edges +t −t +s −s of the speed of the contact's first body relative to the second
-void fill_edges(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Vector3d& t, const Eigen::Vector3d& s,
+// rows of J_t: n_e edges +t −t +s −s of the speed of the contact's first body relative to the
+// second
+void fill_edges(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Vector3d& t,
+                const Eigen::Vector3d& s,
                 const Eigen::Matrix<double, 3, kVelocities>& relative_velocity) {
   rows.row(0) = t.transpose() * relative_velocity;
   rows.row(1) = -rows.row(0);
@@ -31,13 +36,14 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
 
 BallStateVector to_vector(const BallState& state) {
   BallStateVector x;
-  x << state.p_WE, state.q_WB.w(), state.q_WB.x(), state.q_WB.y(), state.q_WB.z(), state.p_WB, state.v_WE,
-      state.omega_WB, state.v_WB;
+  x << state.p_WE, state.q_WB.w(), state.q_WB.x(), state.q_WB.y(), state.q_WB.z(), state.p_WB,
+      state.v_WE, state.omega_WB, state.v_WB;
   return x;
 }
 
 void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d& s) {
-  // y and z never both vanish in the basis: contacts of this task have normals far from ±x, or exactly along it
+  // y and z never both vanish in the basis: contacts of this task have normals far from ±x, or
+  // exactly along it
   const Eigen::Vector3d reference =
       std::abs(normal.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   t = (reference - normal * normal.dot(reference)).normalized();
@@ -61,11 +67,14 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   system.N_q_plus.block<3, 4>(kVelocityOmega, L::q_WB) = 2.0 * G.transpose();
   system.N_q_plus.block<3, 3>(kVelocityBall, L::p_WB).setIdentity();
 
-  // f = M⁻¹ (B u − C) is affine: gravity and the force on the end effector; a sphere has no gyroscopic term
-  const double ball_inertia = 0.4 * parameters.ball_mass * parameters.ball_radius * parameters.ball_radius;
+  // f = M⁻¹ (B u − C) is affine: gravity and the force on the end effector; a sphere has no
+  // gyroscopic term
+  const double ball_inertia =
+      0.4 * parameters.ball_mass * parameters.ball_radius * parameters.ball_radius;
   Eigen::VectorXd inverse_masses(kVelocities);
   inverse_masses << Eigen::Vector3d::Constant(1.0 / parameters.end_effector_mass),
-      Eigen::Vector3d::Constant(1.0 / ball_inertia), Eigen::Vector3d::Constant(1.0 / parameters.ball_mass);
+      Eigen::Vector3d::Constant(1.0 / ball_inertia),
+      Eigen::Vector3d::Constant(1.0 / parameters.ball_mass);
   system.M_inverse = inverse_masses.asDiagonal();
   system.J_f_q = Eigen::MatrixXd::Zero(kVelocities, kPositions);
   system.J_f_v = Eigen::MatrixXd::Zero(kVelocities, kVelocities);
@@ -88,7 +97,8 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   relative.middleCols<3>(kVelocityEndEffector).setIdentity();
   relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * n);  // −ω × r n
   relative.middleCols<3>(kVelocityBall) = -Eigen::Matrix3d::Identity();
-  system.phi[0] = (state.p_WE - state.p_WB).norm() - parameters.end_effector_radius - parameters.ball_radius;
+  system.phi[0] =
+      (state.p_WE - state.p_WB).norm() - parameters.end_effector_radius - parameters.ball_radius;
   system.J_n.row(0) = n.transpose() * relative;
   fill_edges(system.J_t.topRows(L::n_e), t, s, relative);
 
@@ -104,7 +114,8 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   return system;
 }
 
-Eigen::Vector3d force_on_end_effector(const BallState& state, const Eigen::Ref<const Eigen::VectorXd>& lambda) {
+Eigen::Vector3d force_on_end_effector(const BallState& state,
+                                      const Eigen::Ref<const Eigen::VectorXd>& lambda) {
   const Eigen::Vector3d n = end_effector_normal(state);
   Eigen::Vector3d t, s;
   tangents(n, t, s);
@@ -112,7 +123,8 @@ Eigen::Vector3d force_on_end_effector(const BallState& state, const Eigen::Ref<c
   return n * lambda[L::normal_end_effector] + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);
 }
 
-void separate(const BallModelParameters& parameters, const Eigen::Vector3d& away, BallState& state) {
+void separate(const BallModelParameters& parameters, const Eigen::Vector3d& away,
+              BallState& state) {
   const double touching = parameters.end_effector_radius + parameters.ball_radius;
   const Eigen::Vector3d from_end_effector = state.p_WB - state.p_WE;
   if (from_end_effector.norm() >= touching) return;

@@ -30,7 +30,8 @@ lcs::Lcs stewart_trinkle(const ContactSystem& system, double dt) {
   lcs.d << dt * system.N_q * V_d, V_d;
 
   Eigen::MatrixXd E_t = Eigen::MatrixXd::Zero(n_c, n_t);
-  for (Eigen::Index contact = 0; contact < n_c; ++contact) E_t.row(contact).segment(contact * n_e, n_e).setOnes();
+  for (Eigen::Index contact = 0; contact < n_c; ++contact)
+    E_t.row(contact).segment(contact * n_e, n_e).setOnes();
 
   lcs.E = Eigen::MatrixXd::Zero(n_lambda, n_x);
   lcs.F = Eigen::MatrixXd::Zero(n_lambda, n_lambda);

@@ -6,8 +6,9 @@
 
 namespace c3rt::model {
 
-/// The multi-contact model (2)-(3) evaluated at (q*, v*, u*). n_c contacts, n_e edges of the friction cone each.
-/// Velocities v are the generalised velocities with q̇ = N_q v (a quaternion has 4 coordinates but 3 velocities).
+/// The multi-contact model (2)-(3) evaluated at (q*, v*, u*). n_c contacts, n_e edges of the
+/// friction cone each. Velocities v are the generalised velocities with q̇ = N_q v (a quaternion has
+/// 4 coordinates but 3 velocities).
 struct ContactSystem {
   Eigen::VectorXd q;          // q* (n_q)
   Eigen::MatrixXd N_q;        // (n_q × n_v)
@@ -19,8 +20,8 @@ struct ContactSystem {
   Eigen::MatrixXd M_inverse;  // (n_v × n_v)
   Eigen::VectorXd phi;        // gap of each contact (n_c) [m]
   Eigen::MatrixXd J_n;        // φ̇ = J_n v (n_c × n_v)
-  Eigen::MatrixXd J_t;        // tangential speed along each edge, contact by contact (n_c n_e × n_v)
-  Eigen::VectorXd mu;         // (n_c)
+  Eigen::MatrixXd J_t;  // tangential speed along each edge, contact by contact (n_c n_e × n_v)
+  Eigen::VectorXd mu;   // (n_c)
 
   Eigen::Index n_q() const { return q.size(); }
   Eigen::Index n_v() const { return M_inverse.rows(); }

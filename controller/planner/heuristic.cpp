@@ -17,9 +17,10 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
   return part < 1.0 ? Phase::kReturnUp : part < 2.0 ? Phase::kReturnSideways : Phase::kReturnDown;
 }
 
-Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters, const model::BallModelParameters& model,
-                                    Phase phase, const Eigen::Vector3d& end_effector, const Eigen::Vector3d& ball,
-                                    const Eigen::Vector2d& target) {
+Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters,
+                                    const model::BallModelParameters& model, Phase phase,
+                                    const Eigen::Vector3d& end_effector,
+                                    const Eigen::Vector3d& ball, const Eigen::Vector2d& target) {
   const double touching = model.table_height + 2.0 * model.ball_radius + model.end_effector_radius;
   if (phase == Phase::kRoll) return {ball.x(), ball.y(), touching + parameters.roll_clearance};
   const int part = phase == Phase::kReturnUp ? 0 : phase == Phase::kReturnSideways ? 1 : 2;
@@ -27,7 +28,8 @@ Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters, const
   if (phase == Phase::kReturnUp) return {end_effector.x(), end_effector.y(), height};
   const Eigen::Vector2d to_target = target - ball.head<2>();
   const double distance = to_target.norm();
-  const Eigen::Vector2d e = distance > 1e-9 ? Eigen::Vector2d(to_target / distance) : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d e =
+      distance > 1e-9 ? Eigen::Vector2d(to_target / distance) : Eigen::Vector2d::Zero();
   const Eigen::Vector2d behind = ball.head<2>() - parameters.return_back * e;
   return {behind.x(), behind.y(), height};
 }

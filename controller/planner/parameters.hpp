@@ -1,5 +1,6 @@
 #pragma once
-// Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in load_parameters.cpp.
+// Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in
+// load_parameters.cpp.
 #include <Eigen/Core>
 
 #include "controller/c3/solver.hpp"
@@ -7,65 +8,70 @@
 
 namespace c3rt::planner {
 
-/// Diagonal weights of one phase, by meaning. G and U act on the scaled forces (FIGURES 4.3, docs/math.md).
+/// Diagonal weights of one phase, by meaning. G and U act on the scaled forces (FIGURES 4.3,
+/// docs/math.md).
 struct PhaseWeights {
   double Q_end_effector, Q_end_effector_velocity;
   double Q_ball_xy, Q_ball_z, Q_ball_velocity;
   double R;
-  double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential, G_table_normal, G_table_tangential;
+  double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential, G_table_normal,
+      G_table_tangential;
   double U_x, U_lambda, U_u;
 };
 
-/// The time-based heuristic of Figure 10: where the end effector is drawn to, never when it touches.
+/// The time-based heuristic of Figure 10: where the end effector is drawn to, never when it
+/// touches.
 struct HeuristicParameters {
-  double roll_duration;        // Phase I [s]
-  double return_duration;      // Phase II [s], three equal parts: up, sideways, down
-  double roll_clearance;       // Phase I: height above touching the ball from straight above [m]
-  double return_back;          // Phase II: how far behind the ball, seen from its target [m]
+  double roll_duration;    // Phase I [s]
+  double return_duration;  // Phase II [s], three equal parts: up, sideways, down
+  double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
+  double return_back;      // Phase II: how far behind the ball, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.
 struct ApproachParameters {
-  double speed;                // of the end effector's reference [m/s]
-  double safe_height;          // travels at this height above the table [m]
-  double start_height;         // above the ball's centre where C3 takes over [m]
-  double tolerance;            // start pose reached [m]
-  double leash;                // the reference waits for an arm that is farther behind than this [m]
-  Eigen::Vector2d reach_min, reach_max;  // a ball outside this box of the table is out of reach, in W [m]
-  double settle_time;          // C3 starts after this long in the start pose with a ball in view [s]
+  double speed;         // of the end effector's reference [m/s]
+  double safe_height;   // travels at this height above the table [m]
+  double start_height;  // above the ball's centre where C3 takes over [m]
+  double tolerance;     // start pose reached [m]
+  double leash;         // the reference waits for an arm that is farther behind than this [m]
+  Eigen::Vector2d reach_min,
+      reach_max;       // a ball outside this box of the table is out of reach, in W [m]
+  double settle_time;  // C3 starts after this long in the start pose with a ball in view [s]
 };
 
 struct CircleTask {
-  Eigen::Vector2d center;      // in W [m]
-  double radius;               // [m]
-  double lead;                 // α^l of (25); positive is clockwise seen from above [rad]
+  Eigen::Vector2d center;  // in W [m]
+  double radius;           // [m]
+  double lead;             // α^l of (25); positive is clockwise seen from above [rad]
 };
 
 enum class DeltaTcSource {
-  kPeriod,     // mean of the last measured control periods: the plan's age when the next one replaces it
+  kPeriod,  // mean of the last measured control periods: the plan's age when the next one replaces
+            // it
   kSolveTime,  // the time spent in steps 1 to 3, as Algorithm 3 has it
 };
 
 struct Parameters {
-  double rate;                 // [Hz]
-  double publish_delay;        // a plan takes effect this long after the state it started from [s]
-  double valid_for;            // and is valid this long [s]
-  double estimate_timeout;     // a ball estimate older than this counts as lost [s]
-  double deadline_fraction;    // of the period, realtime only
+  double rate;               // [Hz]
+  double publish_delay;      // a plan takes effect this long after the state it started from [s]
+  double valid_for;          // and is valid this long [s]
+  double estimate_timeout;   // a ball estimate older than this counts as lost [s]
+  double deadline_fraction;  // of the period, realtime only
   int N;
-  double dt;                   // planning step Δt [s]
+  double dt;  // planning step Δt [s]
   model::BallModelParameters model;
   c3::Settings c3;
-  PhaseWeights roll, back;     // Phase I and Phase II
+  PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;
   ApproachParameters approach;
   CircleTask circle;
   DeltaTcSource delta_t_c_source;
-  double speed_limit;          // of the planned end effector [m/s]
-  bool predict_ball;           // carry the estimated ball on to the time of the arm's state
-  bool separate_overlap;       // move an estimated ball out of the end effector before linearising
-  double tilt;                 // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
+  double speed_limit;     // of the planned end effector [m/s]
+  bool predict_ball;      // carry the estimated ball on to the time of the arm's state
+  bool separate_overlap;  // move an estimated ball out of the end effector before linearising
+  double tilt;            // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
 
 }  // namespace c3rt::planner

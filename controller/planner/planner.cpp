@@ -1,5 +1,6 @@
 #include "controller/planner/planner.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 
@@ -129,7 +130,8 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
                            (input.p_WB.head<2>().array() >= reach.reach_min.array()).all() &&
                            (input.p_WB.head<2>().array() <= reach.reach_max.array()).all();
   situation.hold_requested = input.hold_requested;
-  situation.start_pose_reached = settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
+  situation.start_pose_reached =
+      settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
   const Phase phase =
       phase_at(parameters_.heuristic, in_c3 && c3_since_ >= 0.0 ? input.now - c3_since_ : 0.0);
@@ -154,7 +156,8 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     case Mode::kHold: {
       // out of the cameras' way, where it can start again from
       const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-      (void)advance_reference(input, {reference_.x(), reference_.y(), std::max(reference_.z(), safe)});
+      (void)advance_reference(input,
+                              {reference_.x(), reference_.y(), std::max(reference_.z(), safe)});
       hold(reference_);
       break;
     }
@@ -179,12 +182,17 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
   plan_.delta_t_c = 0.0;
   plan_.u_c3.setZero();
   plan_.lambda_d.setZero();
+  // nothing was predicted: no horizon of an earlier solve goes out with it
+  plan_.x.setZero();
+  plan_.lambda.setZero();
+  plan_.u.setZero();
   plan_.admm_iterations = 0;
   plan_.complementarity_violation = 0.0;
 }
 
-// One period's step towards the goal; @return whether it is reached. An arm that does not follow (stopped by a person, a
-// reflex) is waited for, so that it finds the reference near by when it moves again.
+// One period's step towards the goal; @return whether it is reached. An arm that does not follow
+// (stopped by a person, a reflex) is waited for, so that it finds the reference near by when it
+// moves again.
 bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept {
   if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) return false;
   const Eigen::Vector3d way = goal - reference_;
@@ -197,7 +205,8 @@ bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal)
 void Planner::approach(const Input& input) noexcept {
   const double period = workspace_->periods.back();
   const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-  const Eigen::Vector3d start(input.p_WB.x(), input.p_WB.y(), input.p_WB.z() + parameters_.approach.start_height);
+  const Eigen::Vector3d start(input.p_WB.x(), input.p_WB.y(),
+                              input.p_WB.z() + parameters_.approach.start_height);
   const bool above = (reference_ - start).head<2>().norm() < parameters_.approach.tolerance;
   // up, across, down: never through the ball
   Eigen::Vector3d goal = start;
@@ -222,8 +231,9 @@ void Planner::approach(const Input& input) noexcept {
 void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   Workspace& work = *workspace_;
   // the camera saw the ball a while ago; the arm's state is of now
-  const Eigen::Vector3d p_WB =
-      parameters_.predict_ball ? Eigen::Vector3d(input.p_WB + input.ball_age * input.v_WB) : input.p_WB;
+  const Eigen::Vector3d p_WB = parameters_.predict_ball
+                                   ? Eigen::Vector3d(input.p_WB + input.ball_age * input.v_WB)
+                                   : input.p_WB;
   const Eigen::Vector2d target = circle_target(input.circle, p_WB.head<2>());
   const Eigen::Vector2d e = target - p_WB.head<2>();
 
@@ -240,7 +250,8 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const Phase phase = phase_at(parameters_.heuristic, input.now - c3_since_);
   const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
   model::BallState desired{};
-  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase, state.p_WE, state.p_WB, target);
+  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase, state.p_WE,
+                                     state.p_WB, target);
   desired.q_WB.setIdentity();
   desired.p_WB << target, ball_height;
   desired.v_WE.setZero();
@@ -282,14 +293,16 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
     ++counters_.fallbacks;
     return;
   }
-  plan_.status = solution.status == c3::SolveStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
+  plan_.status =
+      solution.status == c3::SolveStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
   if (plan_.status == PlanStatus::kTruncated) ++counters_.truncated;
   plan_.p_WE = work.x_next.segment<3>(L::p_WE);
   plan_.v_WE = work.x_next.segment<3>(L::v_WE);
   const double speed = plan_.v_WE.norm();
   if (speed > parameters_.speed_limit) {
     const Eigen::Vector3d way = plan_.p_WE - input.p_WE;
-    if (way.norm() > 0.0) plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * delta_t_c;
+    if (way.norm() > 0.0)
+      plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * delta_t_c;
     plan_.v_WE *= parameters_.speed_limit / speed;
     ++counters_.speed_clamped;
   }

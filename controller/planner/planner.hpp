@@ -1,5 +1,6 @@
 #pragma once
-// The planner as one function of its inputs: estimate → LCS → Algorithm 1 → Algorithm 3 → (x_d, λ_d).
+// The planner as one function of its inputs: estimate → LCS → Algorithm 1 → Algorithm 3 → (x_d,
+// λ_d).
 #include <cstdint>
 #include <memory>
 
@@ -10,30 +11,31 @@
 
 namespace c3rt::planner {
 
-/// What the planner does; a ball that is lost or a state that is missing leads to kHold or kWait, and back.
+/// What the planner does; a ball that is lost or a state that is missing leads to kHold or kWait,
+/// and back.
 enum class Mode { kWait, kApproach, kRoll, kReturn, kHold };
 
 /// The mode logic alone, as a table: what comes next, given what is known.
 struct Situation {
-  bool state_fresh;       // the robot's state is known
-  bool ball_at_hand;      // a valid ball estimate younger than the timeout, within reach
-  bool hold_requested;    // a client asks to hold
+  bool state_fresh;         // the robot's state is known
+  bool ball_at_hand;        // a valid ball estimate younger than the timeout, within reach
+  bool hold_requested;      // a client asks to hold
   bool start_pose_reached;  // the approach has settled above the ball
-  bool returning;         // Phase II of the heuristic
+  bool returning;           // Phase II of the heuristic
 };
 Mode next(Mode mode, const Situation& situation);
 
 struct Input {
-  double now;                        // session time [s]
+  double now;  // session time [s]
   bool state_fresh;
-  Eigen::Vector3d p_WE, v_WE;        // the end effector [m, m/s]
+  Eigen::Vector3d p_WE, v_WE;  // the end effector [m, m/s]
   bool ball_fresh;
-  double ball_age;                   // since the exposure [s]
+  double ball_age;  // since the exposure [s]
   Eigen::Vector3d p_WB, v_WB, omega_WB;
   Eigen::Quaterniond q_WB;
   bool hold_requested;
-  CircleTask circle;                 // the scenario's or a client's
-  double solve_time;                 // duration of the previous solve [s], for DeltaTcSource::kSolveTime
+  CircleTask circle;  // the scenario's or a client's
+  double solve_time;  // duration of the previous solve [s], for DeltaTcSource::kSolveTime
 };
 
 enum class PlanStatus { kOk, kTruncated, kFallback };
@@ -41,18 +43,18 @@ enum class PlanStatus { kOk, kTruncated, kFallback };
 struct Plan {
   PlanStatus status;
   Mode mode;
-  Eigen::Vector3d p_WE, v_WE;        // x_d of the end effector
+  Eigen::Vector3d p_WE, v_WE;  // x_d of the end effector
   Eigen::Quaterniond q_WE;
-  Eigen::Vector3d force_E;           // λ_d as the contacts' force on the end effector, in W [N]
-  Eigen::Vector3d ball_target;       // x_d^b
-  double delta_t_c;                  // [s]
-  Eigen::Vector3d u_c3;              // [N]
-  Eigen::VectorXd lambda_d;          // (n_lambda) unscaled [N]
-  Eigen::MatrixXd x;                 // (n_x × N) predicted
-  Eigen::MatrixXd lambda;            // (n_lambda × N) unscaled [N]
-  Eigen::MatrixXd u;                 // (n_u × N) [N]
+  Eigen::Vector3d force_E;      // λ_d as the contacts' force on the end effector, in W [N]
+  Eigen::Vector3d ball_target;  // x_d^b
+  double delta_t_c;             // [s]
+  Eigen::Vector3d u_c3;         // [N]
+  Eigen::VectorXd lambda_d;     // (n_lambda) unscaled [N]
+  Eigen::MatrixXd x;            // (n_x × N) predicted
+  Eigen::MatrixXd lambda;       // (n_lambda × N) unscaled [N]
+  Eigen::MatrixXd u;            // (n_u × N) [N]
   int admm_iterations;
-  Eigen::VectorXd primal_residual;   // (admm_iterations)
+  Eigen::VectorXd primal_residual;  // (admm_iterations)
   double complementarity_violation;
 };
 
@@ -61,7 +63,8 @@ class Planner {
   /// @throws std::invalid_argument if weights or sizes cannot be used (named)
   explicit Planner(const Parameters& parameters);
   ~Planner();
-  /// One control period. Never throws; a failed solve gives a fallback plan that holds the end effector where it is.
+  /// One control period. Never throws; a failed solve gives a fallback plan that holds the end
+  /// effector where it is.
   /// @param deadline asked between steps of the solve; lockstep passes none
   const Plan& step(const Input& input, c3::Deadline deadline = {}) noexcept;
 

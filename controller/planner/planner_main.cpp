@@ -22,7 +22,7 @@ using namespace c3rt;
 
 constexpr long kRobot = 0, kBall = 0;
 constexpr double kStateTimeout = 0.1;  // [s]
-constexpr int kPriority = 40;          // below the 1 kHz loop and what carries its samples, above vision
+constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 std::int64_t nanoseconds(double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); }
@@ -35,7 +35,8 @@ void fill(double (&out)[n], const Eigen::MatrixBase<Derived>& values) {
 
 /// Newest samples of what the planner listens to.
 struct Inputs {
-  explicit Inputs(wire::Bus& bus) : states(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
+  explicit Inputs(wire::Bus& bus)
+      : states(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
   wire::Reader<wire::RobotState> states;
   wire::Reader<wire::BallEstimate> estimates;
   wire::Reader<wire::TaskTarget> targets;
@@ -49,8 +50,9 @@ struct Inputs {
 };
 
 bool usable(const wire::TaskTarget& target) {
-  return std::isfinite(target.center_m[0]) && std::isfinite(target.center_m[1]) && std::isfinite(target.lead_rad) &&
-         std::abs(target.lead_rad) <= M_PI && target.radius_m >= 0.01 && target.radius_m <= 0.5;
+  return std::isfinite(target.center_m[0]) && std::isfinite(target.center_m[1]) &&
+         std::isfinite(target.lead_rad) && std::abs(target.lead_rad) <= M_PI &&
+         target.radius_m >= 0.01 && target.radius_m <= 0.5;
 }
 
 // what strangers write is checked here; @return a sentence for the log, empty if nothing happened
@@ -70,7 +72,9 @@ std::string take_target(Inputs& in, const planner::CircleTask& scenario_circle) 
         break;
       case c3rt_v1_TARGET_CIRCLE:
         if (!usable(target)) {
-          said = "target=refused expected a finite centre, radius in [0.01, 0.5] m and lead in [-pi, pi] rad";
+          said =
+              "target=refused expected a finite centre, radius in [0.01, 0.5] m and lead in [-pi, "
+              "pi] rad";
           break;
         }
         in.circle = {{target.center_m[0], target.center_m[1]}, target.radius_m, target.lead_rad};
@@ -107,8 +111,8 @@ void take_requests(Inputs& in, wire::Writer<wire::ServiceReply>& replies, std::i
   }
 }
 
-planner::Input planner_input(const Inputs& in, const planner::Parameters& parameters, std::int64_t now_ns,
-                             model::Arm& arm, double solve_time) {
+planner::Input planner_input(const Inputs& in, const planner::Parameters& parameters,
+                             std::int64_t now_ns, model::Arm& arm, double solve_time) {
   planner::Input input{};
   input.now = seconds(now_ns);
   input.circle = in.circle;
@@ -117,8 +121,8 @@ planner::Input planner_input(const Inputs& in, const planner::Parameters& parame
   input.state_fresh = in.has_state && seconds(now_ns - in.state.header.time_ns) <= kStateTimeout;
   if (in.has_state) {
     model::ArmState arm_state;
-    arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad), Eigen::Map<const model::Vector7d>(in.state.dq_rad_per_s),
-               arm_state);
+    arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad),
+               Eigen::Map<const model::Vector7d>(in.state.dq_rad_per_s), arm_state);
     input.p_WE = arm_state.X_WE.translation();
     input.v_WE = arm_state.V_WE.head<3>();
   }
@@ -137,16 +141,22 @@ planner::Input planner_input(const Inputs& in, const planner::Parameters& parame
 
 c3rt_v1_PlanPhase phase_of(planner::Mode mode) {
   switch (mode) {
-    case planner::Mode::kWait: return c3rt_v1_PHASE_WAIT;
-    case planner::Mode::kApproach: return c3rt_v1_PHASE_APPROACH;
-    case planner::Mode::kRoll: return c3rt_v1_PHASE_ROLL;
-    case planner::Mode::kReturn: return c3rt_v1_PHASE_RETURN;
-    case planner::Mode::kHold: return c3rt_v1_PHASE_HOLD;
+    case planner::Mode::kWait:
+      return c3rt_v1_PHASE_WAIT;
+    case planner::Mode::kApproach:
+      return c3rt_v1_PHASE_APPROACH;
+    case planner::Mode::kRoll:
+      return c3rt_v1_PHASE_ROLL;
+    case planner::Mode::kReturn:
+      return c3rt_v1_PHASE_RETURN;
+    case planner::Mode::kHold:
+      return c3rt_v1_PHASE_HOLD;
   }
   return c3rt_v1_PHASE_HOLD;
 }
 
-wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, const planner::Parameters& parameters) {
+wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
+                   const planner::Parameters& parameters) {
   using L = model::BallLayout;
   wire::Plan out{};
   out.robot = kRobot;
@@ -159,7 +169,8 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, const planner::P
   out.phase = phase_of(plan.mode);
   fill(out.p_WE_desired_m, plan.p_WE);
   fill(out.v_WE_desired_m_per_s, plan.v_WE);
-  fill(out.q_WE_desired, Eigen::Vector4d(plan.q_WE.w(), plan.q_WE.x(), plan.q_WE.y(), plan.q_WE.z()));
+  fill(out.q_WE_desired,
+       Eigen::Vector4d(plan.q_WE.w(), plan.q_WE.x(), plan.q_WE.y(), plan.q_WE.z()));
   fill(out.force_E_n, plan.force_E);
   fill(out.ball_target_m, plan.ball_target);
   out.delta_t_c_s = plan.delta_t_c;
@@ -175,14 +186,17 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, const planner::P
     fill(out.u[k], plan.u.col(k));
   }
   out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v1_MAX_ADMM);
-  fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(plan.primal_residual.size(), out.admm_iterations)));
+  fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
+                                plan.primal_residual.size(), out.admm_iterations)));
   out.complementarity_violation = plan.complementarity_violation;
   return out;
 }
 
 struct DeadlineClock {
   std::int64_t at_ns;
-  static bool reached(void* context) noexcept { return rt::now_ns() >= static_cast<DeadlineClock*>(context)->at_ns; }
+  static bool reached(void* context) noexcept {
+    return rt::now_ns() >= static_cast<DeadlineClock*>(context)->at_ns;
+  }
 };
 
 int run(const config::ProcessOptions& options) {
@@ -198,7 +212,8 @@ int run(const config::ProcessOptions& options) {
   auto& ball_lost = status.counter("ball_lost");
 
   planner::Planner planner(parameters);
-  model::Arm arm(scenario.impedance.urdf_path.empty() ? model::panda_urdf_path() : scenario.impedance.urdf_path);
+  model::Arm arm(scenario.impedance.urdf_path.empty() ? model::panda_urdf_path()
+                                                      : scenario.impedance.urdf_path);
   Inputs in(bus);
   in.circle = parameters.circle;
   wire::Writer<wire::Plan> writer(bus);
@@ -212,7 +227,8 @@ int run(const config::ProcessOptions& options) {
   double solve_time = scenario.timing.solve_time_s;
   planner::Mode mode = planner::Mode::kWait;
   status.set_state(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
-  spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N, scenario.name);
+  spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N,
+               scenario.name);
 
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
@@ -222,7 +238,8 @@ int run(const config::ProcessOptions& options) {
       in.estimate = estimate;
       in.has_estimate = true;
     }
-    if (const std::string said = take_target(in, parameters.circle); !said.empty()) spdlog::info("planner: {}", said);
+    if (const std::string said = take_target(in, parameters.circle); !said.empty())
+      spdlog::info("planner: {}", said);
     take_requests(in, replies, now_ns);
     if (now_ns < in.stall_until_ns) continue;
 
@@ -240,8 +257,10 @@ int run(const config::ProcessOptions& options) {
       wire::Plan out = to_wire(plan, in, parameters);
       out.solve_time_s = measured;
       // sent at once, in effect at a time that does not depend on how long the solve took
-      const std::int64_t solved_ns = realtime ? rt::now_ns() : now_ns + nanoseconds(scenario.timing.solve_time_s);
-      const std::int64_t effective_ns = std::max(now_ns + nanoseconds(parameters.publish_delay), solved_ns);
+      const std::int64_t solved_ns =
+          realtime ? rt::now_ns() : now_ns + nanoseconds(scenario.timing.solve_time_s);
+      const std::int64_t effective_ns =
+          std::max(now_ns + nanoseconds(parameters.publish_delay), solved_ns);
       out.valid_until_ns = effective_ns + nanoseconds(parameters.valid_for);
       if (now_ns < in.nan_until_ns) out.p_WE_desired_m[0] = std::nan("");
       writer.write(out, effective_ns);
@@ -253,18 +272,22 @@ int run(const config::ProcessOptions& options) {
     if (plan.mode != mode) {
       mode = plan.mode;
       static constexpr const char* kNames[] = {"wait", "approach", "roll", "return", "hold"};
-      status.set_state(mode == planner::Mode::kHold ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
-                       mode == planner::Mode::kHold ? "holding: no ball in view or in reach, or asked to hold"
-                                                    : kNames[static_cast<int>(mode)]);
+      status.set_state(
+          mode == planner::Mode::kHold ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
+          mode == planner::Mode::kHold ? "holding: no ball in view or in reach, or asked to hold"
+                                       : kNames[static_cast<int>(mode)]);
     }
   }
   if (!loop.failure().empty()) {
     spdlog::error("planner: stop: {}", loop.failure());
     return config::kFailedWhileRunning;
   }
-  spdlog::info("planner: stop plans={} truncated={} fallbacks={} ball_lost={} lcp_failures={} speed_clamped={}",
-               plans.load(), planner.counters().truncated, planner.counters().fallbacks, planner.counters().ball_lost,
-               planner.counters().lcp_failures, planner.counters().speed_clamped);
+  spdlog::info(
+      "planner: stop plans={} truncated={} fallbacks={} ball_lost={} lcp_failures={} "
+      "speed_clamped={}",
+      plans.load(), planner.counters().truncated, planner.counters().fallbacks,
+      planner.counters().ball_lost, planner.counters().lcp_failures,
+      planner.counters().speed_clamped);
   return config::kStopped;
 }
 
@@ -273,7 +296,8 @@ int run(const config::ProcessOptions& options) {
 int main(int argc, char** argv) {
   int exit_status = 0;
   const auto options = c3rt::config::parse_process_options(
-      argc, argv, "c3rt-planner", "Consensus complementarity control at a fixed rate: plans contact-implicit motion",
+      argc, argv, "c3rt-planner",
+      "Consensus complementarity control at a fixed rate: plans contact-implicit motion",
       exit_status);
   if (!options) return exit_status;
   const c3rt::wire::StopFlag stop;

@@ -36,14 +36,18 @@ TEST_CASE("scenario: every shipped file can be loaded, and is named as its file"
 }
 
 TEST_CASE("scenario: a key of any room that is out of range is refused by line, key and range") {
-  CHECK_THAT(error_of({"planner.horizon=99"}), Contains("planner.horizon: expected an integer in [1, 10], got \"99\""));
-  CHECK_THAT(error_of({"impedance.rate_hz=1"}), Contains("impedance.rate_hz: expected a number in"));
+  CHECK_THAT(error_of({"planner.horizon=99"}),
+             Contains("planner.horizon: expected an integer in [1, 10], got \"99\""));
+  CHECK_THAT(error_of({"impedance.rate_hz=1"}),
+             Contains("impedance.rate_hz: expected a number in"));
   CHECK_THAT(error_of({"plant.step_s=1"}), Contains("plant.step_s: expected a number in"));
-  CHECK_THAT(error_of({"vision.source=radar"}), Contains("vision.source: expected one of cameras, emulated"));
+  CHECK_THAT(error_of({"vision.source=radar"}),
+             Contains("vision.source: expected one of cameras, emulated"));
   CHECK_THAT(error_of({"timing.solve_time_s=-1"}), Contains("timing.solve_time_s"));
   CHECK_THAT(error_of({"task.loops=0.5"}), Contains("task.loops: expected an integer"));
   CHECK_THAT(error_of({"criteria.0.name=beauty"}), Contains("criteria.0.name: expected one of"));
-  CHECK_THAT(error_of({"planner.c3.qp=gurobi"}), Contains("planner.c3.qp: expected one of direct, osqp"));
+  CHECK_THAT(error_of({"planner.c3.qp=gurobi"}),
+             Contains("planner.c3.qp: expected one of direct, osqp"));
 }
 
 TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {
@@ -51,14 +55,15 @@ TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {
   std::ostringstream text;
   text << file.rdbuf();
   const std::string whole = text.str();
-  for (const std::string section : {"task:", "timing:", "planner:", "  c3:", "  approach:", "plant:", "impedance:", "  gains:",
-                                    "vision:", "  filter:"}) {
+  for (const std::string section : {"task:", "timing:", "planner:", "  c3:", "  approach:",
+                                    "plant:", "impedance:", "  gains:", "vision:", "  filter:"}) {
     const std::size_t at = whole.find("\n" + section);
     REQUIRE(at != std::string::npos);
     const std::size_t end = whole.find('\n', at + 1);
     const std::string indent(section.find_first_not_of(' ') + 2, ' ');
     const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/unknown_key.yaml";
-    std::ofstream(path) << whole.substr(0, end) << "\n" << indent << "typo_s: 1" << whole.substr(end);
+    std::ofstream(path) << whole.substr(0, end) << "\n"
+                        << indent << "typo_s: 1" << whole.substr(end);
     CAPTURE(section);
     CHECK_THROWS_WITH(load_scenario(path), Contains("typo_s: unknown key"));
   }

@@ -46,17 +46,35 @@ TEST_CASE("section: values of the right type and range are read") {
 }
 
 TEST_CASE("section: an error names file, line, key, what was expected and what came") {
-  CHECK_THAT(error_of([] { (void)planner().number("rate_hz", {100, 200}); }),
+  CHECK_THAT(error_of([] {
+               (void)planner().number("rate_hz", {100, 200});
+             }),
              Equals("a.yaml:2: planner.rate_hz: expected a number in [100, 200], got \"75\""));
-  CHECK_THAT(error_of([] { (void)planner().number("absent", {0, 1}); }), Contains("planner.absent: missing"));
-  CHECK_THAT(error_of([] { (void)planner().numbers("gains", 4, {0, 10}); }),
-             Equals("a.yaml:3: planner.gains: expected a list of 4 numbers in [0, 10], got a list of 3"));
-  CHECK_THAT(error_of([] { (void)planner().numbers("gains", 3, {0, 2}); }), Contains("\"2.5\" at place 2"));
-  CHECK_THAT(error_of([] { (void)planner().integer("gains", {0, 2}); }), Contains("expected an integer"));
-  CHECK_THAT(error_of([] { (void)planner().boolean("qp"); }), Contains("expected true or false, got \"direct\""));
-  CHECK_THAT(error_of([] { (void)planner().choice<int>("qp", {{"osqp", 1}, {"auto", 2}}); }),
+  CHECK_THAT(error_of([] {
+               (void)planner().number("absent", {0, 1});
+             }),
+             Contains("planner.absent: missing"));
+  CHECK_THAT(
+      error_of([] {
+        (void)planner().numbers("gains", 4, {0, 10});
+      }),
+      Equals("a.yaml:3: planner.gains: expected a list of 4 numbers in [0, 10], got a list of 3"));
+  CHECK_THAT(error_of([] {
+               (void)planner().numbers("gains", 3, {0, 2});
+             }),
+             Contains("\"2.5\" at place 2"));
+  CHECK_THAT(error_of([] {
+               (void)planner().integer("gains", {0, 2});
+             }),
+             Contains("expected an integer"));
+  CHECK_THAT(error_of([] { (void)planner().boolean("qp"); }),
+             Contains("expected true or false, got \"direct\""));
+  CHECK_THAT(error_of([] {
+               (void)planner().choice<int>("qp", {{"osqp", 1}, {"auto", 2}});
+             }),
              Contains("one of osqp, auto, got \"direct\""));
-  CHECK_THAT(error_of([] { (void)planner().list("balls", 3, 4); }), Contains("list of 3 to 4 mappings"));
+  CHECK_THAT(error_of([] { (void)planner().list("balls", 3, 4); }),
+             Contains("list of 3 to 4 mappings"));
 }
 
 TEST_CASE("section: what is not a finite number is refused") {
@@ -78,17 +96,27 @@ TEST_CASE("section: finish refuses keys that nobody read, also below, and keys g
 
 TEST_CASE("section: an override replaces one existing key and no other") {
   REQUIRE(planner({"planner.rate_hz=80"}).number("rate_hz", {0, 100}) == 80.0);
-  REQUIRE(planner({"planner.balls.1.mass_kg=0.3"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1}) == 0.3);
+  REQUIRE(
+      planner({"planner.balls.1.mass_kg=0.3"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1}) ==
+      0.3);
   REQUIRE(planner({"planner.gains=[3, 2, 1]"}).numbers("gains", 3, {0, 10})[0] == 3.0);
-  CHECK_THAT(error_of([] { (void)planner({"planner.rate=80"}); }), Contains("--set planner.rate: no such key"));
-  CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }), Contains("no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.rate=80"}); }),
+             Contains("--set planner.rate: no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }),
+             Contains("no such key"));
   CHECK_THAT(error_of([] { (void)planner({"rate"}); }), Contains("expected key=value"));
-  CHECK_THAT(error_of([] { (void)planner({"planner.rate_hz=500"}).number("rate_hz", {0, 100}); }),
-             Contains("a.yaml with --set: planner.rate_hz: expected a number in [0, 100], got \"500\""));
+  CHECK_THAT(
+      error_of([] {
+        (void)planner({"planner.rate_hz=500"}).number("rate_hz", {0, 100});
+      }),
+      Contains("a.yaml with --set: planner.rate_hz: expected a number in [0, 100], got \"500\""));
 }
 
 TEST_CASE("section: text that is not YAML, and a file that is not there, are named") {
-  CHECK_THAT(error_of([] { (void)Document::parse("a: [1", "e.yaml"); }), Contains("e.yaml:1: not YAML"));
-  CHECK_THAT(error_of([] { (void)Document::parse("- 1", "e.yaml"); }), Contains("expected a mapping"));
-  CHECK_THAT(error_of([] { (void)Document::load("absent.yaml"); }), Equals("absent.yaml: cannot be read"));
+  CHECK_THAT(error_of([] { (void)Document::parse("a: [1", "e.yaml"); }),
+             Contains("e.yaml:1: not YAML"));
+  CHECK_THAT(error_of([] { (void)Document::parse("- 1", "e.yaml"); }),
+             Contains("expected a mapping"));
+  CHECK_THAT(error_of([] { (void)Document::load("absent.yaml"); }),
+             Equals("absent.yaml: cannot be read"));
 }

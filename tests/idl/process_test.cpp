@@ -45,7 +45,9 @@ TEST_CASE("Inlet and Outlet: the newest sample goes from servo thread to servo t
   CHECK_FALSE(inlet.take(seen));
 }
 
-TEST_CASE("Inlet: a sample sent ahead of its time waits for it, also when the next one is there already") {
+TEST_CASE(
+    "Inlet: a sample sent ahead of its time waits for it, also when the next one is there "
+    "already") {
   Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
   bus.adopt_session(1);
   Writer<Plan> writer(plant);

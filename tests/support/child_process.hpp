@@ -1,13 +1,13 @@
 #pragma once
 // One of our programs as a child of a test; killed if the test forgets it.
+#include <csignal>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include <csignal>
 #include <fcntl.h>
 #include <spawn.h>
-#include <stdexcept>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,13 +16,17 @@ extern char** environ;
 namespace c3rt::test {
 
 /// Path of one of the project's programs in this build.
-inline std::string program(const std::string& name) { return std::string(C3RT_BINARY_DIRECTORY) + "/bin/" + name; }
+inline std::string program(const std::string& name) {
+  return std::string(C3RT_BINARY_DIRECTORY) + "/bin/" + name;
+}
 
 /// The command of one of the four processes on a domain of loopback.
-inline std::vector<std::string> process_command(const std::string& name, const std::string& scenario,
-                                                std::uint32_t domain, const std::vector<std::string>& more) {
-  std::vector<std::string> command{program(name), scenario, "--domain", std::to_string(domain), "--dds-profile",
-                                   C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml"};
+inline std::vector<std::string> process_command(const std::string& name,
+                                                const std::string& scenario, std::uint32_t domain,
+                                                const std::vector<std::string>& more) {
+  std::vector<std::string> command{
+      program(name),          scenario,        "--domain",
+      std::to_string(domain), "--dds-profile", C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml"};
   command.insert(command.end(), more.begin(), more.end());
   return command;
 }
@@ -37,7 +41,8 @@ class ChildProcess {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     if (!output_path.empty()) {
-      posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+      posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_path.c_str(),
+                                       O_WRONLY | O_CREAT | O_TRUNC, 0644);
       posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
     }
     const int error = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);

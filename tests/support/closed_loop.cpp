@@ -4,9 +4,12 @@
 
 namespace c3rt::test {
 namespace {
-std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+std::int64_t nanoseconds(double seconds) {
+  return static_cast<std::int64_t>(std::llround(1e9 * seconds));
+}
 std::string urdf(const config::Scenario& scenario) {
-  return scenario.impedance.urdf_path.empty() ? model::panda_urdf_path() : scenario.impedance.urdf_path;
+  return scenario.impedance.urdf_path.empty() ? model::panda_urdf_path()
+                                              : scenario.impedance.urdf_path;
 }
 }  // namespace
 
@@ -31,7 +34,8 @@ void ClosedLoop::step_1ms() {
     measurement.exposure_ns = now_ns_;
     measurement.found = true;
     measurement.p_WB = sensor_.measure(state.balls[0].p_WB);
-    estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimator_.step(measurement)});
+    estimates_.push_back(
+        {now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimator_.step(measurement)});
   }
   while (!estimates_.empty() && estimates_.front().time_ns <= now_ns_) {
     newest_estimate_ = estimates_.front().value;
@@ -59,8 +63,8 @@ void ClosedLoop::step_1ms() {
     plan_ = planner_.step(input);
     impedance::Plan plan;
     plan.session_id = 1;
-    plan.stamp_ns =
-        now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s, scenario_.planner.publish_delay));
+    plan.stamp_ns = now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s,
+                                                   scenario_.planner.publish_delay));
     plan.valid_until_ns = plan.stamp_ns + nanoseconds(scenario_.planner.valid_for);
     plan.status = plan_.status == planner::PlanStatus::kFallback ? impedance::PlanStatus::kFallback
                                                                  : impedance::PlanStatus::kOk;

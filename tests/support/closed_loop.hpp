@@ -1,6 +1,6 @@
 #pragma once
-// The whole loop in one process, without DDS: plant, emulated sensing, planner and impedance law, in the order and
-// with the delays of a lockstep run. For tests of behaviour and for tuning.
+// The whole loop in one process, without DDS: plant, emulated sensing, planner and impedance law,
+// in the order and with the delays of a lockstep run. For tests of behaviour and for tuning.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -22,8 +22,8 @@ class ClosedLoop {
   double time() const { return 1e-9 * static_cast<double>(now_ns_); }
   plant::Plant& plant() { return plant_; }
   const planner::Planner& planner() const { return planner_; }
-  const planner::Plan& plan() const { return plan_; }             // the newest computed
-  const impedance::Output& output() const { return output_; }     // of the last cycle
+  const planner::Plan& plan() const { return plan_; }          // the newest computed
+  const impedance::Output& output() const { return output_; }  // of the last cycle
   const vision::Estimate& estimate() const { return estimator_.estimate(); }
 
  private:

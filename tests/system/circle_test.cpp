@@ -1,4 +1,5 @@
-// c3rt run with all processes in lockstep: the ball goes round, twice the same, and nothing is left behind.
+// c3rt run with all processes in lockstep: the ball goes round, twice the same, and nothing is left
+// behind.
 #include <algorithm>
 #include <atomic>
 #include <fstream>
@@ -38,7 +39,10 @@ class Load {
  public:
   Load() {
     for (unsigned i = 0; i < std::max(2u, std::thread::hardware_concurrency()); ++i)
-      threads_.emplace_back([this] { while (!stop_) {} });
+      threads_.emplace_back([this] {
+        while (!stop_) {
+        }
+      });
   }
   ~Load() {
     stop_ = true;
@@ -53,7 +57,8 @@ class Load {
 }  // namespace
 
 TEST_CASE("system: the four processes roll the ball round the circle inside the 2 cm band") {
-  const Run circle = run("circle_slow", {"circle_slow", "--set", "task.loops=1", "--set", "criteria.0.min=1"});
+  const Run circle =
+      run("circle_slow", {"circle_slow", "--set", "task.loops=1", "--set", "criteria.0.min=1"});
   CHECK(circle.status == 0);
   const json& report = circle.report;
   CHECK(report.at("loops_completed") == 1);
@@ -97,11 +102,14 @@ TEST_CASE("system: a run that misses a criterion ends with status 1, and says wh
 }
 
 TEST_CASE("system: a robot that stopped and that nobody recovers ends the run, by name") {
-  // joint velocities that the approach is bound to exceed: the impedance process stops, the robot loses its commands
-  const Run stopped = run("reflex", {"circle_slow", "--duration", "20", "--set", "planner.approach.speed_m_per_s=1",
-                                     "--set", "planner.approach.leash_m=1", "--set", "impedance.limits.reference_speed_m_per_s=2",
-                                     "--set", "impedance.limits.dq_max_rad_per_s=[10, 10, 10, 10, 10, 10, 10]",
-                                     "--set", "impedance.gains.stiffness_translation_per_s2=5000"});
+  // joint velocities that the approach is bound to exceed: the impedance process stops, the robot
+  // loses its commands
+  const Run stopped =
+      run("reflex",
+          {"circle_slow", "--duration", "20", "--set", "planner.approach.speed_m_per_s=1", "--set",
+           "planner.approach.leash_m=1", "--set", "impedance.limits.reference_speed_m_per_s=2",
+           "--set", "impedance.limits.dq_max_rad_per_s=[10, 10, 10, 10, 10, 10, 10]", "--set",
+           "impedance.gains.stiffness_translation_per_s2=5000"});
   CHECK(stopped.status == 1);
   const std::string result = stopped.report.at("result");
   CHECK_THAT(result, Catch::Contains("the robot stopped: joint_velocity_violation"));

@@ -10,8 +10,8 @@ namespace c3rt::vision {
 enum class VelocityFilter {
   kTwoTap,     // v = (1 - b) d(previous) + b d(new)
   kRecursive,  // v = (1 - b) v(previous) + b d(new): smoother, slower
-  // With e = p_meas - (p + v dt)(previous): p = p_expected + a e, v = v(previous) + b e / dt. Of the three it carries
-  // the least noise for the same lag, and none of a ball that rolls freely.
+  // With e = p_meas - (p + v dt)(previous): p = p_expected + a e, v = v(previous) + b e / dt. Of
+  // the three it carries the least noise for the same lag, and none of a ball that rolls freely.
   kPredicting,
 };
 

@@ -30,10 +30,13 @@ model::BallState resting() {
 
 model::BallState random_state(std::mt19937& generator) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const auto vector = [&](double size) { return Vector3d(size * Vector3d(uniform(generator), uniform(generator), uniform(generator))); };
+  const auto vector = [&](double size) {
+    return Vector3d(size * Vector3d(uniform(generator), uniform(generator), uniform(generator)));
+  };
   model::BallState state{};
   state.p_WE = Vector3d(0.5, 0.0, 0.1) + vector(0.05);
-  state.q_WB = Eigen::Quaterniond(uniform(generator), uniform(generator), uniform(generator), 1.5).normalized();
+  state.q_WB = Eigen::Quaterniond(uniform(generator), uniform(generator), uniform(generator), 1.5)
+                   .normalized();
   state.p_WB = Vector3d(0.5, 0.0, 0.0) + vector(0.02);
   state.v_WE = vector(0.5);
   state.omega_WB = vector(3.0);
@@ -54,7 +57,8 @@ model::BallState moved(const model::BallState& state, double dt) {
   result.p_WB += dt * state.v_WB;
   const double angle = dt * state.omega_WB.norm();
   if (angle != 0.0)
-    result.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(angle, state.omega_WB.normalized())) * state.q_WB;
+    result.q_WB =
+        Eigen::Quaterniond(Eigen::AngleAxisd(angle, state.omega_WB.normalized())) * state.q_WB;
   return result;
 }
 
@@ -79,7 +83,7 @@ Next step(const model::BallState& state, const Vector3d& u, double dt) {
   return next;
 }
 
-const Vector3d kHover(0.0, 0.0, kGravity * kModel.end_effector_mass);
+const Vector3d kHover(0.0, 0.0, kGravity* kModel.end_effector_mass);
 
 }  // namespace
 
@@ -91,7 +95,8 @@ TEST_CASE("ball model: N_q maps velocities to coordinate rates, and N_q_plus bac
     CHECK((system.N_q_plus * system.N_q - Eigen::MatrixXd::Identity(9, 9)).norm() < 1e-12);
     const double h = 1e-6;
     const VectorXd rate =
-        (model::to_vector(moved(state, h)) - model::to_vector(moved(state, -h))).head(10) / (2.0 * h);
+        (model::to_vector(moved(state, h)) - model::to_vector(moved(state, -h))).head(10) /
+        (2.0 * h);
     CHECK((system.N_q * velocity(state) - rate).norm() < 1e-8);
   }
 }
@@ -102,12 +107,15 @@ TEST_CASE("ball model: J_n is the rate of the gap, by finite differences") {
     const model::BallState state = random_state(generator);
     const double h = 1e-6;
     const VectorXd rate = (model::ball_contact_system(kModel, moved(state, h)).phi -
-                           model::ball_contact_system(kModel, moved(state, -h)).phi) / (2.0 * h);
+                           model::ball_contact_system(kModel, moved(state, -h)).phi) /
+                          (2.0 * h);
     CHECK((model::ball_contact_system(kModel, state).J_n * velocity(state) - rate).norm() < 1e-7);
   }
 }
 
-TEST_CASE("ball model: J_t is the speed at which the material points of both bodies slide past each other") {
+TEST_CASE(
+    "ball model: J_t is the speed at which the material points of both bodies slide past each "
+    "other") {
   std::mt19937 generator(3);
   for (int i = 0; i < 20; ++i) {
     const model::BallState state = random_state(generator);
@@ -127,7 +135,8 @@ TEST_CASE("ball model: J_t is the speed at which the material points of both bod
     Vector3d t, s;
     model::tangents(n, t, s);
     VectorXd expected(8);
-    expected.head(4) << t.dot(at_end_effector), -t.dot(at_end_effector), s.dot(at_end_effector), -s.dot(at_end_effector);
+    expected.head(4) << t.dot(at_end_effector), -t.dot(at_end_effector), s.dot(at_end_effector),
+        -s.dot(at_end_effector);
     model::tangents(Vector3d::UnitZ(), t, s);
     expected.tail(4) << t.dot(at_table), -t.dot(at_table), s.dot(at_table), -s.dot(at_table);
     CHECK((system.J_t * velocity(state) - expected).norm() < 1e-7);
@@ -158,7 +167,8 @@ TEST_CASE("ball model: a ball at rest stays, and the table carries its weight") 
   CHECK(next.lambda[L::normal_end_effector] == Approx(0.0).margin(1e-12));
 }
 
-TEST_CASE("ball model: a ball in the air falls freely, and the end effector hovers with its weight") {
+TEST_CASE(
+    "ball model: a ball in the air falls freely, and the end effector hovers with its weight") {
   model::BallState state = resting();
   state.p_WB.z() += 0.1;
   const Next next = step(state, kHover, 0.01);
@@ -172,8 +182,8 @@ TEST_CASE("ball model: friction slows a sliding ball by mu g and makes it roll, 
   const double dt = 0.01;
   const Next next = step(state, kHover, dt);
   CHECK(next.state.v_WB.x() == Approx(1.0 - kModel.friction_table * kGravity * dt));
-  CHECK(next.state.omega_WB.y() ==
-        Approx(2.5 * kModel.friction_table * kGravity * dt / kModel.ball_radius));  // τ = μ m g r, I = 2/5 m r²
+  CHECK(next.state.omega_WB.y() == Approx(2.5 * kModel.friction_table * kGravity * dt /
+                                          kModel.ball_radius));  // τ = μ m g r, I = 2/5 m r²
 }
 
 TEST_CASE("ball model: a rolling ball keeps rolling") {
@@ -214,15 +224,17 @@ TEST_CASE("ball model: the published scale of the single ball is met, whatever t
   model::BallState state = resting();
   state.p_WB.z() = 0.007;
   // FIGURES 4.3: 6.465e-4 at dt = 0.1
-  CHECK(lcs::force_scale(model::stewart_trinkle(model::ball_contact_system(published, state), 0.1)) ==
-        Approx(6.465e-4).epsilon(2e-3));
+  CHECK(lcs::force_scale(model::stewart_trinkle(model::ball_contact_system(published, state),
+                                                0.1)) == Approx(6.465e-4).epsilon(2e-3));
 }
 
-TEST_CASE("ball model: separate moves an overlapping ball sideways until they touch, and no other") {
+TEST_CASE(
+    "ball model: separate moves an overlapping ball sideways until they touch, and no other") {
   model::BallState state = resting();
   state.p_WE = state.p_WB + Vector3d(0.01, 0.0, 0.04);
   model::separate(kModel, Vector3d::UnitX(), state);
-  CHECK((state.p_WE - state.p_WB).norm() == Approx(kModel.ball_radius + kModel.end_effector_radius));
+  CHECK((state.p_WE - state.p_WB).norm() ==
+        Approx(kModel.ball_radius + kModel.end_effector_radius));
   CHECK(state.p_WB.z() == kModel.ball_radius);
   CHECK(state.p_WB.x() < 0.5);
   CHECK(state.p_WB.y() == Approx(0.1));

@@ -10,14 +10,14 @@ using namespace c3rt;
 namespace {
 
 struct Course {
-  double turns = 0.0;           // of the ball about the circle's centre
-  double largest_error = 0.0;   // distance to the circle after the first quarter turn [m]
+  double turns = 0.0;          // of the ball about the circle's centre
+  double largest_error = 0.0;  // distance to the circle after the first quarter turn [m]
   double largest_tracking = 0.0;
 };
 
 Course run(const std::string& scenario_name, std::uint64_t seed, double seconds) {
-  const config::Scenario scenario =
-      config::load_scenario(std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
+  const config::Scenario scenario = config::load_scenario(
+      std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
   test::ClosedLoop loop(scenario, seed);
   Course course;
   double previous = 0.0;
@@ -29,14 +29,17 @@ Course run(const std::string& scenario_name, std::uint64_t seed, double seconds)
     course.turns += std::remainder(alpha - previous, 2.0 * M_PI) / (2.0 * M_PI);
     previous = alpha;
     if (course.turns > 0.25)
-      course.largest_error = std::max(course.largest_error, std::abs(ball.norm() - scenario.task.circle.radius));
+      course.largest_error =
+          std::max(course.largest_error, std::abs(ball.norm() - scenario.task.circle.radius));
   }
   return course;
 }
 
 }  // namespace
 
-TEST_CASE("closed loop: the real arm rolls the ball round the slow circle without leaving the 2 cm band") {
+TEST_CASE(
+    "closed loop: the real arm rolls the ball round the slow circle without leaving the 2 cm "
+    "band") {
   const Course course = run("circle_slow", 1, 25.0);
   CHECK(course.turns > 1.0);
   CHECK(course.largest_error < 0.02);

@@ -26,13 +26,15 @@ TEST_CASE("circle target: it lies on the circle, the lead ahead, clockwise seen 
       const Vector2d ball = kCircle.center + radius * Vector2d(std::sin(phase), std::cos(phase));
       const Vector2d on_circle = circle_target(kCircle, ball) - kCircle.center;
       CHECK(on_circle.norm() == Approx(0.1));
-      const double turned = std::remainder(std::atan2(on_circle.x(), on_circle.y()) - phase, 2.0 * M_PI);
+      const double turned =
+          std::remainder(std::atan2(on_circle.x(), on_circle.y()) - phase, 2.0 * M_PI);
       CHECK(turned == Approx(kCircle.lead));
     }
   }
 }
 
-TEST_CASE("heuristic: a cycle is half a second of return in three parts, then a second of rolling") {
+TEST_CASE(
+    "heuristic: a cycle is half a second of return in three parts, then a second of rolling") {
   CHECK(phase_at(kHeuristic, 0.0) == Phase::kReturnUp);
   CHECK(phase_at(kHeuristic, 0.16) == Phase::kReturnUp);
   CHECK(phase_at(kHeuristic, 0.17) == Phase::kReturnSideways);
@@ -46,7 +48,9 @@ TEST_CASE("heuristic: a cycle is half a second of return in three parts, then a 
 TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind it, and down") {
   const Vector3d end_effector(0.5, 0.05, 0.06), ball(0.55, 0.1, 0.007);
   const Vector2d target(0.55 + 0.1, 0.1);  // straight along +x
-  const auto at = [&](Phase phase) { return end_effector_target(kHeuristic, kModel, phase, end_effector, ball, target); };
+  const auto at = [&](Phase phase) {
+    return end_effector_target(kHeuristic, kModel, phase, end_effector, ball, target);
+  };
   CHECK((at(Phase::kRoll) - Vector3d(0.55, 0.1, 0.062)).norm() < 1e-12);  // FIGURES 4.6
   CHECK((at(Phase::kReturnUp) - Vector3d(0.5, 0.05, 0.0951 - 0.0245)).norm() < 1e-12);
   CHECK((at(Phase::kReturnSideways) - Vector3d(0.53, 0.1, 0.0911 - 0.0245)).norm() < 1e-12);
@@ -55,7 +59,8 @@ TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind 
 
 TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
   const Vector3d ball(0.55, 0.1, 0.007);
-  const Vector3d target = end_effector_target(kHeuristic, kModel, Phase::kReturnDown, ball, ball, ball.head<2>());
+  const Vector3d target =
+      end_effector_target(kHeuristic, kModel, Phase::kReturnDown, ball, ball, ball.head<2>());
   CHECK(target.allFinite());
 }
 

@@ -77,7 +77,9 @@ TEST_CASE("planner: without the robot's state it waits, and its plan is marked a
   CHECK(finite(plan));
 }
 
-TEST_CASE("planner: the approach goes up, across and down, never faster than told and never through the ball") {
+TEST_CASE(
+    "planner: the approach goes up, across and down, never faster than told and never through the "
+    "ball") {
   const Parameters p = parameters();
   Follower follower(p);
   const double touching = p.model.ball_radius + p.model.end_effector_radius;
@@ -91,11 +93,15 @@ TEST_CASE("planner: the approach goes up, across and down, never faster than tol
     previous = follower.p_WE;
     highest = std::max(highest, follower.p_WE.z());
   }
-  CHECK(highest == Approx(p.model.table_height + p.approach.safe_height).margin(p.approach.tolerance));
-  CHECK((previous - Vector3d(kBall + Vector3d(0, 0, p.approach.start_height))).norm() < p.approach.tolerance);
+  CHECK(highest ==
+        Approx(p.model.table_height + p.approach.safe_height).margin(p.approach.tolerance));
+  CHECK((previous - Vector3d(kBall + Vector3d(0, 0, p.approach.start_height))).norm() <
+        p.approach.tolerance);
 }
 
-TEST_CASE("planner: a lost ball makes it hold out of the way, and a ball that is back is approached again") {
+TEST_CASE(
+    "planner: a lost ball makes it hold out of the way, and a ball that is back is approached "
+    "again") {
   const Parameters p = parameters();
   Follower follower(p);
   REQUIRE(follower.until(Mode::kRoll, 2000));
@@ -148,7 +154,8 @@ TEST_CASE("planner: numbers that are not finite count as not there") {
   CHECK(plan.status == PlanStatus::kFallback);
 }
 
-TEST_CASE("planner: every plan of the heuristic's cycle is finite, solved, and keeps the speed limit") {
+TEST_CASE(
+    "planner: every plan of the heuristic's cycle is finite, solved, and keeps the speed limit") {
   const Parameters p = parameters();
   Follower follower(p);
   REQUIRE(follower.until(Mode::kReturn, 2000));
@@ -172,10 +179,12 @@ TEST_CASE("planner: the plan for the next instant respects the contact") {
   for (int i = 0; i < 50; ++i) {
     const Plan& plan = follower.step();
     using L = model::BallLayout;
-    // Algorithm 3 gives a force only where the end effector touches the ball, and never one that pulls
+    // Algorithm 3 gives a force only where the end effector touches the ball, and never one that
+    // pulls
     CHECK(plan.lambda_d[L::normal_end_effector] >= 0.0);
     CHECK(plan.lambda_d[L::normal_table] >= 0.0);
-    const double gap = (plan.p_WE - kBall).norm() - p.model.ball_radius - p.model.end_effector_radius;
+    const double gap =
+        (plan.p_WE - kBall).norm() - p.model.ball_radius - p.model.end_effector_radius;
     if (gap > 2e-3) CHECK(plan.lambda_d[L::normal_end_effector] == Approx(0.0).margin(1e-9));
   }
 }
@@ -185,18 +194,24 @@ TEST_CASE("planner: a deadline that strikes gives a truncated plan, not none") {
   REQUIRE(follower.until(Mode::kRoll, 2000));
   struct Count {
     int asked = 0;
-    static bool reached(void* context) noexcept { return ++static_cast<Count*>(context)->asked > 1; }
+    static bool reached(void* context) noexcept {
+      return ++static_cast<Count*>(context)->asked > 1;
+    }
   } count;
-  const Plan& plan = follower.planner.step(input_at(follower.now, follower.p_WE), {&Count::reached, &count});
+  const Plan& plan =
+      follower.planner.step(input_at(follower.now, follower.p_WE), {&Count::reached, &count});
   CHECK(count.asked > 1);
   CHECK(plan.status == PlanStatus::kTruncated);
   CHECK(finite(plan));
   CHECK(follower.planner.counters().truncated == 1);
 }
 
-TEST_CASE("planner: delta t_c is the mean of the last ten periods, or the time of the solve, as the scenario says") {
+TEST_CASE(
+    "planner: delta t_c is the mean of the last ten periods, or the time of the solve, as the "
+    "scenario says") {
   for (const bool period : {true, false}) {
-    Follower follower(parameters({period ? "planner.delta_t_c=period" : "planner.delta_t_c=solve_time"}));
+    Follower follower(
+        parameters({period ? "planner.delta_t_c=period" : "planner.delta_t_c=solve_time"}));
     REQUIRE(follower.until(Mode::kReturn, 2000));
     // nine regular periods and one of 30 ms
     follower.now += 0.030 - follower.period;
@@ -206,7 +221,9 @@ TEST_CASE("planner: delta t_c is the mean of the last ten periods, or the time o
 }
 
 TEST_CASE("planner: both back ends of the QP step give the same plan") {
-  Follower direct(parameters({"planner.c3.qp=direct"})), osqp(parameters({"planner.c3.qp=osqp", "planner.c3.osqp.eps=1e-10", "planner.c3.osqp.max_iterations=20000"}));
+  Follower direct(parameters({"planner.c3.qp=direct"})),
+      osqp(parameters({"planner.c3.qp=osqp", "planner.c3.osqp.eps=1e-10",
+                       "planner.c3.osqp.max_iterations=20000"}));
   REQUIRE(direct.until(Mode::kRoll, 2000));
   REQUIRE(osqp.until(Mode::kRoll, 2000));
   const Input input = input_at(direct.now, kBall + Vector3d(-0.02, 0.005, 0.05));

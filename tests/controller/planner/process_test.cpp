@@ -1,11 +1,12 @@
 // The process c3rt-planner on a real bus, with this test as its plant and its vision.
+#include "idl/process.hpp"
+
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "idl/process.hpp"
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/support/child_process.hpp"
 
@@ -29,7 +30,11 @@ class World {
   explicit World(const std::vector<std::string>& more = {})
       : child(command("lockstep", more)),
         bus(wire::test::settings(wire::ClockMode::kLockstep, wire::draw_session())),
-        states(bus), estimates(bus), targets(bus), faults(bus), plans(bus),
+        states(bus),
+        estimates(bus),
+        targets(bus),
+        faults(bus),
+        plans(bus),
         master(bus, {c3rt_v1_PROCESS_PLANNER}, 30 * kSecond) {}
 
   /// One millisecond; @return whether a plan came
@@ -75,7 +80,8 @@ TEST_CASE("c3rt-planner: plans come at the fixed rate, and carry what they were 
     ++count;
     CHECK(plan.header.session_id == world.bus.session_id());
     CHECK(plan.origin.state_ns == world.now_ns);
-    CHECK(plan.header.time_ns == plan.origin.state_ns + 20 * kMs);  // publish_delay_s of the scenario
+    CHECK(plan.header.time_ns ==
+          plan.origin.state_ns + 20 * kMs);  // publish_delay_s of the scenario
     CHECK(plan.valid_until_ns == plan.header.time_ns + 100 * kMs);
     if (previous_ns != 0) {
       const std::int64_t period_ns = plan.origin.state_ns - previous_ns;
@@ -92,7 +98,8 @@ TEST_CASE("c3rt-planner: plans come at the fixed rate, and carry what they were 
   CHECK(world.child.wait() == 0);
 }
 
-TEST_CASE("c3rt-planner: it holds while the ball is out of view, and approaches it when it is back") {
+TEST_CASE(
+    "c3rt-planner: it holds while the ball is out of view, and approaches it when it is back") {
   World world;
   wire::Plan plan{};
   for (int i = 0; i < 300; ++i) world.step(plan);
