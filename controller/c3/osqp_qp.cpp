@@ -23,6 +23,10 @@ struct Sparse {
     row_index.push_back(row);
     values.push_back(value);
   }
+  bool same_pattern(const Sparse& other) const {
+    return rows == other.rows && cols == other.cols && column_start == other.column_start &&
+           row_index == other.row_index;
+  }
   void end_column() { column_start.push_back(static_cast<c_int>(values.size())); }
 
   csc view() {
@@ -62,9 +66,12 @@ class OsqpQp final : public QpStep {
     cost_of_z_ = MatrixXd::Zero(sizes_.n_z(), sizes_.n_z());
     cost_of_z_.topLeftCorner(sizes_.n_x, sizes_.n_x) = Q_;
     cost_of_z_.bottomRightCorner(sizes_.n_u, sizes_.n_u) = R_;
+    const Sparse P_before = P_, A_before = A_;
     lay_out_bounds(bounds);
     lay_out_cost();
     lay_out_constraints();
+    // the workspace is set up once; weights of the same pattern reach it as updates of the next solve
+    if (work_ != nullptr && P_.same_pattern(P_before) && A_.same_pattern(A_before)) return;
 
     osqp_cleanup(work_);
     work_ = nullptr;

@@ -60,7 +60,8 @@ struct OsqpSettings {
 /// gradient no longer shrinks. Refuses bounds with std::invalid_argument.
 std::unique_ptr<QpStep> make_direct_qp(const Sizes& sizes);
 
-/// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in `set_costs`.
+/// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first `set_costs`,
+/// and again only where costs or bounds fill other places of the matrices; else it is updated.
 std::unique_ptr<QpStep> make_osqp_qp(const Sizes& sizes, const OsqpSettings& settings);
 
 }  // namespace c3rt::c3

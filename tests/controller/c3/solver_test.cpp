@@ -135,6 +135,26 @@ TEST_CASE("solver: weights can be exchanged and exchanged back") {
   REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).z == roll);
 }
 
+TEST_CASE("solver: OSQP's workspace outlives an exchange of weights, and shows no trace of it") {
+  const Problem given = problem();
+  const Costs roll = rolling_ball::costs(rolling_ball::Phase::kRoll);
+  Costs heavier = roll;
+  heavier.Q *= 10.0;
+  heavier.R *= 3.0;
+  const auto solved_with = [&](const std::vector<Costs>& one_after_another) {
+    Solver made(rolling_ball::sizes(), settings(QpBackend::kOsqp));
+    for (const Costs& costs : one_after_another) {
+      made.set_costs(costs);
+      made.solve(given.lcs, given.x0, given.x_desired);
+    }
+    return MatrixXd(made.solve(given.lcs, given.x0, given.x_desired).z);
+  };
+  const MatrixXd fresh = solved_with({roll});
+  CHECK(solved_with({roll, heavier, roll}) == fresh);
+  CHECK((solved_with({heavier, roll}) - fresh).cwiseAbs().maxCoeff() < 1e-3);
+  CHECK((solved_with({heavier}) - fresh).cwiseAbs().maxCoeff() > 1e-3);
+}
+
 TEST_CASE("solver: wherever the deadline strikes, the answer is that of the last complete QP") {
   const Problem p = problem();
   std::vector<MatrixXd> z_after(1);  // after 1, 2, 3 QPs
