@@ -2,7 +2,11 @@
 // behind.
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,6 +36,26 @@ Run run(const std::string& name, const std::vector<std::string>& arguments) {
   std::ifstream file(directory + "/report.json");
   if (file) file >> result.report;
   return result;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Processes that `parent` started, by name.
+std::map<std::string, pid_t> children_of(pid_t parent) {
+  std::map<std::string, pid_t> children;
+  const std::string id = std::to_string(parent);
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + id + "/task")) {
+    std::istringstream pids(read_file(thread.path() / "children"));
+    for (pid_t pid = 0; pids >> pid;) {
+      std::string name = read_file("/proc/" + std::to_string(pid) + "/comm");
+      if (!name.empty()) name.pop_back();
+      children[name] = pid;
+    }
+  }
+  return children;
 }
 
 /// Keeps every core busy while it lives.
@@ -114,4 +138,31 @@ TEST_CASE("system: a robot that stopped and that nobody recovers ends the run, b
   const std::string result = stopped.report.at("result");
   CHECK_THAT(result, Catch::Contains("the robot stopped: joint_velocity_violation"));
   CHECK(stopped.report.at("duration_s").get<double>() < 15.0);
+}
+
+TEST_CASE(
+    "system: a process that is killed is named with its log's end, and nothing is left behind") {
+  const std::string directory = std::string(C3RT_BINARY_DIRECTORY) + "/system_killed";
+  test::ChildProcess run(
+      {test::program("c3rt"), "run", "circle_slow", "--clock", "lockstep", "--out", directory},
+      directory + ".log");
+  std::map<std::string, pid_t> children;
+  for (int i = 0; i < 600 && children.size() < 4; ++i) {
+    usleep(50'000);
+    children = children_of(run.pid());
+  }
+  REQUIRE(children.size() == 4);
+  // until it has said something that the end of its log can show
+  for (int i = 0;
+       i < 600 && read_file(directory + "/logs/vision.log").find("found") == std::string::npos; ++i)
+    usleep(50'000);
+  REQUIRE(kill(children.at("c3rt-vision"), SIGKILL) == 0);
+  CHECK(run.wait() == 3);
+  const std::string said = read_file(directory + ".log");
+  CHECK_THAT(said,
+             Catch::Contains("vision was killed by signal 9") && Catch::Contains("ball=0 found"));
+  for (const auto& [name, pid] : children) {
+    CAPTURE(name);
+    CHECK(kill(pid, 0) != 0);
+  }
 }
