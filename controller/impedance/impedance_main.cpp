@@ -45,7 +45,7 @@ void become_servo_thread(const impedance::Thread& thread) {
 int run(const config::ProcessOptions& options) {
   const impedance::Parameters parameters =
       config::load_scenario(options.scenario_path, options.overrides).impedance;
-  model::Arm arm(parameters.urdf_path.empty() ? model::panda_urdf_path() : parameters.urdf_path);
+  model::Arm arm(impedance::urdf_of(parameters));
 
   wire::Bus bus(wire::bus_settings(options));
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE);

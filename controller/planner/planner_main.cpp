@@ -212,8 +212,7 @@ int run(const config::ProcessOptions& options) {
   auto& ball_lost = status.counter("ball_lost");
 
   planner::Planner planner(parameters);
-  model::Arm arm(scenario.impedance.urdf_path.empty() ? model::panda_urdf_path()
-                                                      : scenario.impedance.urdf_path);
+  model::Arm arm(impedance::urdf_of(scenario.impedance));
   Inputs in(bus);
   in.circle = parameters.circle;
   wire::Writer<wire::Plan> writer(bus);

@@ -7,10 +7,6 @@ namespace {
 std::int64_t nanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(1e9 * seconds));
 }
-std::string urdf(const config::Scenario& scenario) {
-  return scenario.impedance.urdf_path.empty() ? model::panda_urdf_path()
-                                              : scenario.impedance.urdf_path;
-}
 }  // namespace
 
 ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
@@ -19,8 +15,8 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
       sensor_(scenario.vision.emulated, seed),
       estimator_(scenario.vision.estimator, scenario.plant.world.balls[0].radius),
       planner_(scenario.planner),
-      impedance_(scenario.impedance, model::Arm(urdf(scenario))),
-      arm_(urdf(scenario)) {}
+      impedance_(scenario.impedance, model::Arm(impedance::urdf_of(scenario.impedance))),
+      arm_(impedance::urdf_of(scenario.impedance)) {}
 
 void ClosedLoop::step_1ms() {
   const plant::State& state = plant_.state();
