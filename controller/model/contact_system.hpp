@@ -41,4 +41,29 @@ struct ContactSystem {
 /// Source: [C3, eq. (8), (9)]; N_q⁺ replaces the identity where q and v differ in size.
 lcs::Lcs stewart_trinkle(const ContactSystem& system, double dt);
 
+/// The LCS of Anitescu: (12) and (13) with x = [q; v] and one λ for each edge of each contact's
+/// cone. λ is an impulse [N s], as the paper has it: no Δt stands before it.
+///
+///   v⁺ = v + Δt (J_f [q; v; u] + d_v) + M⁻¹ J_cᵀ λ,   q⁺ = q + Δt N_q v⁺,   J_c = E_tᵀ J_n + μ J_t
+///   0 ≤ λ ⊥ E_tᵀ (φ + J_n N_q⁺ (q − q*)) / Δt + J_c v⁺ ≥ 0
+///
+/// F = J_c M⁻¹ J_cᵀ is symmetric and positive semidefinite, which the convex projection (24) needs.
+/// A contact without edges (n_e = 0) gets one λ along its normal. What slides also separates, by μ
+/// times the speed of sliding: the price of convexity.
+///
+/// @param dt time step Δt [s]
+/// Source: [C3, eq. (12), (13)]. (12) prints d_v without its Δt; the discretisation of (10) has it.
+lcs::Lcs anitescu(const ContactSystem& system, double dt);
+
+/// Contacts that are linear springs without friction, evaluated at the start of the step: x = [q;
+/// v], λ = the springs' forces [N].
+///
+///   q⁺ = q + Δt N_q v,   v⁺ = v + Δt (J_f [q; v; u] + M⁻¹ J_nᵀ λ + d_v)
+///   0 ≤ λ ⊥ φ + J_n N_q⁺ (q − q*) + λ / k ≥ 0
+///
+/// The explicit Euler method, as in the cart-pole example [C3, section VI-C]: H = 0 and F is
+/// diagonal, so λ has a closed form.
+/// @param stiffness k of each contact (n_c) [N/m]
+lcs::Lcs spring_contacts(const ContactSystem& system, const Eigen::VectorXd& stiffness, double dt);
+
 }  // namespace c3rt::model
