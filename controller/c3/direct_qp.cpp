@@ -20,10 +20,6 @@ constexpr double kAcceptable = 1e-6;    // worse than this after all refinements
 constexpr double kFirstShift = 1e-14;   // of the largest diagonal entry, where Cholesky breaks down
 constexpr int kMaxShifts = 4;           // each 100 times the one before
 
-bool has_bound(const VectorXd& bound) {
-  return (bound.array().abs() < std::numeric_limits<double>::infinity()).any();
-}
-
 /// With ν = [λ; u] and B̂ = [D B] the step is a linear-quadratic regulator. `factor` runs the
 /// Riccati recursion for the Hessian once; `newton_step` uses it for any gradient, so that the
 /// solution is a first Newton step and its refinement the same step again.
@@ -33,8 +29,6 @@ class DirectQp final : public QpStep {
       : sizes_(sizes),
         n_nu_(sizes.n_lambda + sizes.n_u),
         stages_(sizes.N),
-        G_(sizes.n_z(), sizes.n_z()),
-        weight_(sizes.n_z(), sizes.n_z()),
         hessian_(sizes.n_z(), sizes.n_z()),
         P_(sizes.n_x, sizes.n_x),
         PA_(sizes.n_x, sizes.n_x),
@@ -58,22 +52,20 @@ class DirectQp final : public QpStep {
     }
   }
 
-  void set_costs(const Costs& costs, const Bounds& bounds) override {
-    for (const VectorXd* bound : {&bounds.x_min, &bounds.x_max, &bounds.lambda_min,
-                                  &bounds.lambda_max, &bounds.u_min, &bounds.u_max}) {
-      if (has_bound(*bound)) {
-        throw std::invalid_argument("Bounds: expected none with the direct QP, got some: use OSQP");
-      }
+  void set_costs(const Costs& costs, const Constraints& constraints) override {
+    if (any(constraints)) {
+      throw std::invalid_argument(
+          "Constraints: expected none with the direct QP, got some: use the interior point or OSQP");
     }
     Q_ = costs.Q;
     Q_N_ = costs.Q_N;
     R_ = costs.R;
-    G_ = costs.G;
     factored_rho_ = 0.0;
   }
 
-  void start(Horizon lcs) noexcept override {
+  void start(Horizon lcs, StageMatrices W, const VectorXd*) noexcept override {
     lcs_ = lcs;
+    W_ = W;
     for (int k = 0; k < sizes_.N; ++k) {
       stages_[k].B_hat.leftCols(sizes_.n_lambda) = lcs[k].D;
       stages_[k].B_hat.rightCols(sizes_.n_u) = lcs[k].B;
@@ -83,7 +75,7 @@ class DirectQp final : public QpStep {
   }
 
   QpReport solve(double rho, const Eigen::Ref<const VectorXd>& x0,
-                 const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& r,
+                 const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& g,
                  Eigen::Ref<MatrixXd> z, Eigen::Ref<VectorXd> x_N) noexcept override {
     if (rho != factored_rho_ && !factor(rho)) {
       return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
@@ -91,13 +83,13 @@ class DirectQp final : public QpStep {
     if (!started_) z.setZero();
     started_ = true;
     roll_out(x0, z, x_N);
-    double residual = compute_gradient(x_desired, r, z, x_N);
+    double residual = compute_gradient(x_desired, g, z, x_N);
     int refinements = -1;  // the first step is the solution, those after it refine
     while (refinements < kMaxRefinements && !(residual <= kConverged && refinements >= 0)) {
       newton_step(z);
       roll_out(x0, z, x_N);
       const double previous = residual;
-      residual = compute_gradient(x_desired, r, z, x_N);
+      residual = compute_gradient(x_desired, g, z, x_N);
       ++refinements;
       if (refinements >= 1 && residual > 0.25 * previous) break;
     }
@@ -117,12 +109,11 @@ class DirectQp final : public QpStep {
   bool factor(double rho) noexcept {
     const int n_x = sizes_.n_x;
     factored_rho_ = 0.0;
-    weight_ = rho * G_;
-    hessian_ = weight_;
-    hessian_.topLeftCorner(n_x, n_x) += Q_;
-    hessian_.bottomRightCorner(sizes_.n_u, sizes_.n_u) += R_;
     P_ = Q_N_;
     for (int k = sizes_.N - 1; k >= 0; --k) {
+      hessian_ = rho * W_[k];
+      hessian_.topLeftCorner(n_x, n_x) += Q_[k];
+      hessian_.bottomRightCorner(sizes_.n_u, sizes_.n_u) += R_[k];
       Stage& stage = stages_[k];
       const MatrixXd& A = lcs_[k].A;
       PB_.noalias() = P_ * stage.B_hat;
@@ -172,15 +163,17 @@ class DirectQp final : public QpStep {
   /// Gradient (halved) of the cost at z, and its reduction to ν by the adjoint recursion: returns
   /// the largest reduced component beside the largest term it is made of.
   double compute_gradient(const Eigen::Ref<const MatrixXd>& x_desired,
-                          const Eigen::Ref<const MatrixXd>& r, const Eigen::Ref<const MatrixXd>& z,
+                          const Eigen::Ref<const MatrixXd>& g, const Eigen::Ref<const MatrixXd>& z,
                           const Eigen::Ref<const VectorXd>& x_N) noexcept {
     const int n_x = sizes_.n_x;
     for (int k = 0; k < sizes_.N; ++k) {
-      difference_ = z.col(k) - r.col(k);
-      gradient_.col(k).noalias() = weight_ * difference_;
+      difference_ = z.col(k);
+      gradient_.col(k).noalias() = W_[k] * difference_;
+      gradient_.col(k) -= g.col(k);
+      gradient_.col(k) *= factored_rho_;
       step_x_ = sizes_.x(z.col(k)) - x_desired.col(k);
-      gradient_.col(k).head(n_x).noalias() += Q_ * step_x_;
-      gradient_.col(k).tail(sizes_.n_u).noalias() += R_ * sizes_.u(z.col(k));
+      gradient_.col(k).head(n_x).noalias() += Q_[k] * step_x_;
+      gradient_.col(k).tail(sizes_.n_u).noalias() += R_[k] * sizes_.u(z.col(k));
     }
     step_x_ = x_N - x_desired.col(sizes_.N);
     gradient_N_.noalias() = Q_N_ * step_x_;
@@ -199,7 +192,7 @@ class DirectQp final : public QpStep {
     // a state is known to its rounding at best, and the weights magnify that: Q 1e9 beside R 1e-2
     double rounding = 0.0;
     for (int k = 0; k <= sizes_.N; ++k) {
-      const MatrixXd& Q = k < sizes_.N ? Q_ : Q_N_;
+      const MatrixXd& Q = k < sizes_.N ? Q_[k] : Q_N_;
       const double x = std::max(x_desired.col(k).cwiseAbs().maxCoeff(),
                                 k < sizes_.N ? sizes_.x(z.col(k)).cwiseAbs().maxCoeff()
                                              : x_N.cwiseAbs().maxCoeff());
@@ -247,9 +240,10 @@ class DirectQp final : public QpStep {
   bool started_ = false;
   double factored_rho_ = 0.0;  // 0: no factorisation
   std::vector<Stage> stages_;
-  MatrixXd Q_, Q_N_, R_, G_;
-  MatrixXd weight_;   // ρ G
-  MatrixXd hessian_;  // ρ G + blkdiag(Q, 0, R), halved Hessian of a stage in z
+  PerStage<MatrixXd> Q_, R_;
+  MatrixXd Q_N_;
+  StageMatrices W_{nullptr, 0};
+  MatrixXd hessian_;  // ρ W + blkdiag(Q, 0, R), halved Hessian of a stage in z
   MatrixXd P_, PA_, PB_, S_;
   MatrixXd gradient_;     // of stage k in column k (n_z × N)
   VectorXd gradient_N_;   // in x_N

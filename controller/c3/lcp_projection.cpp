@@ -11,7 +11,7 @@ class LcpProjection final : public Projection {
   explicit LcpProjection(const Sizes& sizes)
       : sizes_(sizes), lemke_(sizes.n_lambda), difference_(sizes.n_z()), weighted_(sizes.n_z()) {}
 
-  void set_weight(const Eigen::MatrixXd& U) override { U_ = U; }
+  void set_weights(const Costs& costs) override { U_ = costs.U; }
 
   void start(const lcs::Lcs& lcs) noexcept override { lcs_ = &lcs; }
 
@@ -29,6 +29,7 @@ class LcpProjection final : public Projection {
       return {ProjectionStatus::kNone, lcp.pivots, 0.0};
     }
     difference_ = delta - v;
+    if (U_.size() == 0) return {ProjectionStatus::kSolved, lcp.pivots, difference_.squaredNorm()};
     weighted_.noalias() = U_ * difference_;
     return {ProjectionStatus::kSolved, lcp.pivots, difference_.dot(weighted_)};
   }

@@ -46,7 +46,8 @@ class MiqpProjection final : public Projection {
     J_.block(0, sizes.n_x, n_, n_).setIdentity();
   }
 
-  void set_weight(const MatrixXd& U) override {
+  void set_weights(const Costs& costs) override {
+    const MatrixXd& U = costs.U;
     U_ = U;
     MatrixXd definite = U;
     const double largest = std::max(U.diagonal().maxCoeff(), 1e-300);

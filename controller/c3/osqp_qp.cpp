@@ -58,16 +58,13 @@ class OsqpQp final : public QpStep {
   OsqpQp(const OsqpQp&) = delete;
   OsqpQp& operator=(const OsqpQp&) = delete;
 
-  void set_costs(const Costs& costs, const Bounds& bounds) override {
+  void set_costs(const Costs& costs, const Constraints& constraints) override {
     Q_ = costs.Q;
     Q_N_ = costs.Q_N;
     R_ = costs.R;
-    G_ = costs.G;
-    cost_of_z_ = MatrixXd::Zero(sizes_.n_z(), sizes_.n_z());
-    cost_of_z_.topLeftCorner(sizes_.n_x, sizes_.n_x) = Q_;
-    cost_of_z_.bottomRightCorner(sizes_.n_u, sizes_.n_u) = R_;
+    lay_out_pattern(costs);
     const Sparse P_before = P_, A_before = A_;
-    lay_out_bounds(bounds);
+    lay_out_bounds(constraints);
     lay_out_cost();
     lay_out_constraints();
     // the workspace is set up once; weights of the same pattern reach it as updates of the next solve
@@ -102,15 +99,17 @@ class OsqpQp final : public QpStep {
     }
   }
 
-  void start(Horizon lcs) noexcept override {
+  void start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept override {
     lcs_ = lcs;
+    W_ = W;
+    lambda_0_ = lambda_0;
     write_constraints();
     started_ = false;
     weight_rho_ = 0.0;
   }
 
   QpReport solve(double rho, const Eigen::Ref<const VectorXd>& x0,
-                 const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& r,
+                 const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& g,
                  Eigen::Ref<MatrixXd> z, Eigen::Ref<VectorXd> x_N) noexcept override {
     bool failed = false;
     if (rho != weight_rho_) {
@@ -131,7 +130,7 @@ class OsqpQp final : public QpStep {
       std::fill(work_->z, work_->z + lower_.size(), 0.0);
       started_ = true;
     }
-    write_linear_terms(rho, x0, x_desired, r);
+    write_linear_terms(rho, x0, x_desired, g);
     failed |= osqp_update_lin_cost(work_, q_.data()) != 0;
     failed |= osqp_update_bounds(work_, lower_.data(), upper_.data()) != 0;
     failed |= osqp_solve(work_) != 0;
@@ -160,31 +159,71 @@ class OsqpQp final : public QpStep {
   }
 
  private:
-  void lay_out_bounds(const Bounds& bounds) {
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    VectorXd z_min(sizes_.n_z()), z_max(sizes_.n_z());
-    for (int i = 0; i < sizes_.n_x; ++i) {
-      z_min[i] = bound_at(bounds.x_min, i, -kNone);
-      z_max[i] = bound_at(bounds.x_max, i, kNone);
-    }
-    for (int i = 0; i < sizes_.n_lambda; ++i) {
-      sizes_.lambda(z_min)[i] = bound_at(bounds.lambda_min, i, -kNone);
-      sizes_.lambda(z_max)[i] = bound_at(bounds.lambda_max, i, kNone);
-    }
-    for (int i = 0; i < sizes_.n_u; ++i) {
-      sizes_.u(z_min)[i] = bound_at(bounds.u_min, i, -kNone);
-      sizes_.u(z_max)[i] = bound_at(bounds.u_max, i, kNone);
-    }
-    const int n_equalities = (sizes_.N + 1) * sizes_.n_x;
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  /// Bound of coordinate i of z_k.
+  static double bound_of(const VectorXd& x, const VectorXd& lambda, const VectorXd& u,
+                         const Sizes& sizes, int i, double none) {
+    if (i < sizes.n_x) return bound_at(x, i, none);
+    if (i < sizes.n_x + sizes.n_lambda) return bound_at(lambda, i - sizes.n_x, none);
+    return bound_at(u, i - sizes.n_x - sizes.n_lambda, none);
+  }
+
+  /// Every λ_0 has a row, so that it can be fixed without another pattern.
+  void lay_out_bounds(const Constraints& c) {
+    const int n_x = sizes_.n_x, n_z = sizes_.n_z();
+    const int n_equalities = (sizes_.N + 1) * n_x;
     lower_.assign(n_equalities, 0.0);
     upper_.assign(n_equalities, 0.0);
-    bound_row_.assign(sizes_.N * sizes_.n_z(), -1);
+    bound_row_.assign(sizes_.N * n_z + n_x, -1);
+    const auto add = [this](double lower, double upper) {
+      lower_.push_back(std::max(lower, -OSQP_INFTY));
+      upper_.push_back(std::min(upper, OSQP_INFTY));
+    };
     for (int k = 0; k < sizes_.N; ++k) {
-      for (int i = k == 0 ? sizes_.n_x : 0; i < sizes_.n_z(); ++i) {  // x_0 is given
-        if (z_min[i] == -kNone && z_max[i] == kNone) continue;
-        bound_row_[k * sizes_.n_z() + i] = static_cast<int>(lower_.size());
-        lower_.push_back(std::max(z_min[i], -OSQP_INFTY));
-        upper_.push_back(std::min(z_max[i], OSQP_INFTY));
+      for (int i = k == 0 ? n_x : 0; i < n_z; ++i) {  // x_0 is given
+        const double lower = bound_of(c.x_min[k], c.lambda_min[k], c.u_min[k], sizes_, i, -kNone);
+        const double upper = bound_of(c.x_max[k], c.lambda_max[k], c.u_max[k], sizes_, i, kNone);
+        const bool is_lambda_0 = k == 0 && i < n_x + sizes_.n_lambda;
+        if (lower == -kNone && upper == kNone && !is_lambda_0) continue;
+        bound_row_[k * n_z + i] = static_cast<int>(lower_.size());
+        add(lower, upper);
+      }
+    }
+    for (int i = 0; i < n_x; ++i) {
+      const double lower = bound_at(c.x_N_min, i, -kNone), upper = bound_at(c.x_N_max, i, kNone);
+      if (lower == -kNone && upper == kNone) continue;
+      bound_row_[sizes_.N * n_z + i] = static_cast<int>(lower_.size());
+      add(lower, upper);
+    }
+    C_ = c.C;
+    first_row_.assign(sizes_.N, 0);
+    for (int k = 0; k < sizes_.N; ++k) {
+      first_row_[k] = static_cast<int>(lower_.size());
+      for (Eigen::Index row = 0; row < C_[k].rows(); ++row) {
+        const bool of_x_0 = k == 0 && C_[k].row(row).tail(n_z - n_x).isZero(0.0);
+        add(of_x_0 ? -kNone : bound_at(c.C_min[k], static_cast<int>(row), -kNone),
+            of_x_0 ? kNone : bound_at(c.C_max[k], static_cast<int>(row), kNone));
+      }
+    }
+    first_lambda_0_ = bound_row_[n_x];
+    bounds_of_lambda_0_.resize(sizes_.n_lambda, 2);
+    for (int i = 0; i < sizes_.n_lambda; ++i) {
+      bounds_of_lambda_0_.row(i) << lower_[first_lambda_0_ + i], upper_[first_lambda_0_ + i];
+    }
+  }
+
+  /// Where costs and consensus term of a stage may have entries; C3+ fills its part with [E F H].
+  void lay_out_pattern(const Costs& costs) {
+    const int n_z = sizes_.n_z();
+    in_cost_.setIdentity(n_z, n_z);
+    for (int k = 0; k < sizes_.N; ++k) {
+      in_cost_.topLeftCorner(sizes_.n_x, sizes_.n_x) += Q_[k].cwiseAbs();
+      in_cost_.bottomRightCorner(sizes_.n_u, sizes_.n_u) += R_[k].cwiseAbs();
+      if (costs.G[k].size() == 0) {
+        in_cost_.setOnes();
+      } else {
+        in_cost_ += costs.G[k].cwiseAbs();
       }
     }
   }
@@ -196,37 +235,36 @@ class OsqpQp final : public QpStep {
     for (int k = 0; k < sizes_.N; ++k) {
       for (int col = 0; col < n_z; ++col) {
         for (int row = 0; row <= col; ++row) {
-          if (in_cost(row, col)) P_.add(k * n_z + row, 0.0);
+          if (in_cost_(row, col) != 0.0) P_.add(k * n_z + row, row == col ? 1.0 : 0.0);
         }
         P_.end_column();
       }
     }
     for (int col = 0; col < sizes_.n_x; ++col) {
       for (int row = 0; row <= col; ++row) {
-        if (row == col || Q_N_(row, col) != 0.0) P_.add(sizes_.N * n_z + row, 0.0);
+        if (row == col || Q_N_(row, col) != 0.0) {
+          P_.add(sizes_.N * n_z + row, 2.0 * Q_N_(row, col));
+        }
       }
       P_.end_column();
     }
-    write_cost(1.0);
-  }
-
-  bool in_cost(int row, int col) const {
-    return row == col || cost_of_z_(row, col) != 0.0 || G_(row, col) != 0.0;
   }
 
   void write_cost(double rho) noexcept {
     std::size_t at = 0;
-    const int n_z = sizes_.n_z();
+    const int n_x = sizes_.n_x, n_z = sizes_.n_z(), n_nu = n_x + sizes_.n_lambda;
     for (int k = 0; k < sizes_.N; ++k) {
       for (int col = 0; col < n_z; ++col) {
         for (int row = 0; row <= col; ++row) {
-          if (in_cost(row, col)) {
-            P_.values[at++] = 2.0 * (cost_of_z_(row, col) + rho * G_(row, col));
-          }
+          if (in_cost_(row, col) == 0.0) continue;
+          double value = rho * W_[k](row, col);
+          if (col < n_x) value += Q_[k](row, col);
+          if (row >= n_nu) value += R_[k](row - n_nu, col - n_nu);
+          P_.values[at++] = 2.0 * value;
         }
       }
     }
-    for (int col = 0; col < sizes_.n_x; ++col) {
+    for (int col = 0; col < n_x; ++col) {
       for (int row = 0; row <= col; ++row) {
         if (row == col || Q_N_(row, col) != 0.0) P_.values[at++] = 2.0 * Q_N_(row, col);
       }
@@ -242,11 +280,17 @@ class OsqpQp final : public QpStep {
         if (col < n_x) A_.add(k * n_x + col, -1.0);
         for (int row = 0; row < n_x; ++row) A_.add((k + 1) * n_x + row, 0.0);
         if (const int row = bound_row_[k * n_z + col]; row >= 0) A_.add(row, 1.0);
+        for (Eigen::Index row = 0; row < C_[k].rows(); ++row) {
+          if (C_[k](row, col) != 0.0) {
+            A_.add(first_row_[k] + static_cast<int>(row), C_[k](row, col));
+          }
+        }
         A_.end_column();
       }
     }
     for (int col = 0; col < n_x; ++col) {
       A_.add(sizes_.N * n_x + col, -1.0);
+      if (const int row = bound_row_[sizes_.N * n_z + col]; row >= 0) A_.add(row, 1.0);
       A_.end_column();
     }
   }
@@ -268,13 +312,12 @@ class OsqpQp final : public QpStep {
 
   void write_linear_terms(double rho, const Eigen::Ref<const VectorXd>& x0,
                           const Eigen::Ref<const MatrixXd>& x_desired,
-                          const Eigen::Ref<const MatrixXd>& r) noexcept {
+                          const Eigen::Ref<const MatrixXd>& g) noexcept {
     const int n_x = sizes_.n_x, n_z = sizes_.n_z();
     for (int k = 0; k < sizes_.N; ++k) {
-      stage_.noalias() = G_ * r.col(k);
-      stage_ *= rho;
+      stage_ = rho * g.col(k);
       difference_ = x_desired.col(k);
-      stage_.head(n_x).noalias() += Q_ * difference_;
+      stage_.head(n_x).noalias() += Q_[k] * difference_;
       q_.segment(k * n_z, n_z) = -2.0 * stage_;
     }
     difference_.noalias() = Q_N_ * x_desired.col(sizes_.N);
@@ -285,18 +328,29 @@ class OsqpQp final : public QpStep {
         lower_[(k + 1) * n_x + i] = upper_[(k + 1) * n_x + i] = -lcs_[k].d[i];
       }
     }
+    for (int i = 0; i < sizes_.n_lambda; ++i) {
+      const bool fixed = lambda_0_ != nullptr;
+      lower_[first_lambda_0_ + i] = fixed ? (*lambda_0_)[i] : bounds_of_lambda_0_(i, 0);
+      upper_[first_lambda_0_ + i] = fixed ? (*lambda_0_)[i] : bounds_of_lambda_0_(i, 1);
+    }
   }
 
   Sizes sizes_;
   OsqpSettings osqp_;
   int n_variables_;
-  MatrixXd Q_, Q_N_, R_, G_;
-  MatrixXd cost_of_z_;  // blkdiag(Q, 0, R)
+  PerStage<MatrixXd> Q_, R_, C_;
+  MatrixXd Q_N_;
+  MatrixXd in_cost_;  // not zero where the cost of a stage may have an entry (n_z × n_z)
   Sparse P_{0, 0}, A_{0, 0};
-  std::vector<int> bound_row_;  // of coordinate i of z_k at k n_z + i, or −1
+  std::vector<int> bound_row_;  // of coordinate i of z_k at k n_z + i, then of x_N; or −1
+  std::vector<int> first_row_;  // of the rows C of stage k
+  int first_lambda_0_ = 0;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> bounds_of_lambda_0_;
   VectorXd q_;
   std::vector<c_float> lower_, upper_;
   Horizon lcs_{nullptr, 0};
+  StageMatrices W_{nullptr, 0};
+  const VectorXd* lambda_0_ = nullptr;
   bool started_ = false;
   double weight_rho_ = 0.0;
   OSQPWorkspace* work_ = nullptr;

@@ -31,15 +31,15 @@ class Projection {
  public:
   virtual ~Projection() = default;
 
-  /// A weight that passed `check`. May allocate.
-  virtual void set_weight(const Eigen::MatrixXd& U) = 0;
+  /// Costs that passed `check` with this kind of projection. May allocate.
+  virtual void set_weights(const Costs& costs) = 0;
 
   /// Computes what depends on E, F, H alone; `lcs` must outlive the calls of `project`.
   /// RT: no heap, no lock, no throw.
   virtual void start(const lcs::Lcs& lcs) noexcept = 0;
 
-  /// Unless there is a point (kSolved, kNodeLimit, kDeadline) delta is v. RT: no heap, no lock, no
-  /// throw.
+  /// Depends on v alone, not on earlier calls. Unless there is a point (kSolved, kNodeLimit,
+  /// kDeadline) delta is v. RT: no heap, no lock, no throw.
   [[nodiscard]] virtual ProjectionReport project(const Eigen::Ref<const Eigen::VectorXd>& v,
                                                  Eigen::Ref<Eigen::VectorXd> delta,
                                                  const Deadline& deadline) noexcept = 0;
@@ -52,5 +52,22 @@ std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nod
 /// δ_x = v_x, δ_u = v_u, δ_λ = LCP(E v_x + H v_u + c, F) by Lemke's method, regularised where the
 /// plain one fails.
 std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes);
+
+/// The QCQP of [C3, V.B.3c] by a nested ADMM of a QP over the inequalities and a one-constraint QCQP
+/// for λᵀ y = 0, solved by bisection. Its answer need not lie in the set.
+std::unique_ptr<Projection> make_admm_projection(const Sizes& sizes);
+
+/// The convex QP (24) with the norms squared:
+///
+///   min ½‖δ_x−v_x‖²_Qx + ½‖δ_u−v_u‖²_Qu + ½ α ‖δ_λ−v_λ‖²_F + ½ (1−α) ‖δ_λ‖²_F,   F + ε I for F,
+///   subject to E δ_x + F δ_λ + H δ_u + c ≥ 0, δ_λ ≥ 0
+///
+/// Its complementarity violation is linear in α [C3, Lemma 3]. The symmetric part of F counts, and has
+/// to be positive semidefinite: otherwise kNone.
+std::unique_ptr<Projection> make_convex_projection(const Sizes& sizes);
+
+/// C3+ [C3+, III]: v = [z; η] + w has the gap variables; pair by pair the nearest point of
+/// { λ ≥ 0, η ≥ 0, λ η = 0 } in the norm u_λ (λ−·)² + u_η (η−·)². δ_x = v_x, δ_u = v_u.
+std::unique_ptr<Projection> make_plus_projection(const Sizes& sizes);
 
 }  // namespace c3rt::c3

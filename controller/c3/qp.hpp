@@ -17,32 +17,34 @@ enum class QpStatus {
 
 struct QpReport {
   QpStatus status;
-  int iterations;   // OSQP iterations, or refinements of the direct solution
+  int iterations;   // of OSQP or the interior point, or refinements of the direct solution
   double residual;  // of the optimality conditions, relative to their largest term
 };
 
-/// The quadratic step [C3, eq. (21)]: minimises over x_1 … x_N, λ, u, with r = δ − w,
+/// The quadratic step [C3, eq. (21)]: minimises over x_1 … x_N, λ, u
 ///
-///   Σ_{k<N} (x_k−x_d,k)ᵀQ(·) + u_kᵀR u_k + (z_k−r_k)ᵀ ρG (z_k−r_k)  +  (x_N−x_d,N)ᵀQ_N(·)
+///   Σ_{k<N} (x_k−x_d,k)ᵀQ(·) + u_kᵀR u_k + ρ (z_kᵀ W_k z_k − 2 g_kᵀ z_k)  +  (x_N−x_d,N)ᵀQ_N(·)
 ///
-/// subject to x_{k+1} = A x_k + B u_k + D λ_k + d, x_0 given, and the bounds.
+/// subject to x_{k+1} = A x_k + B u_k + D λ_k + d, x_0 given, and the constraints. The consensus term
+/// (z−r)ᵀG(z−r) with r = δ − w is W = G, g = G r; that of C3+ has W = G_λ + Jᵀ G_η J, J = [E F H].
 class QpStep {
  public:
   virtual ~QpStep() = default;
 
-  /// Costs and bounds that passed `check`. May allocate.
-  virtual void set_costs(const Costs& costs, const Bounds& bounds) = 0;
+  /// Costs and constraints that passed `check`. Of the costs it uses Q, Q_N, R. May allocate.
+  virtual void set_costs(const Costs& costs, const Constraints& constraints) = 0;
 
-  /// Takes the system of a new problem, which must outlive the calls of `solve`, and forgets every
-  /// earlier iterate, so that the same problem gives the same bits. RT as `solve`.
-  virtual void start(Horizon lcs) noexcept = 0;
+  /// Takes the system and the W of a new problem, which must outlive the calls of `solve`, and
+  /// forgets every earlier iterate, so that the same problem gives the same bits. RT as `solve`.
+  /// @param lambda_0  if not null, λ_0 is fixed to it (n_lambda), whatever its bounds
+  virtual void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept = 0;
 
   /// Warm-starts from `z`, `x_N` (those of the previous call, if any since `start`) and overwrites
-  /// them. x_desired: (n_x × N+1); r, z: (n_z × N). RT: no heap, no lock, no throw (with OSQP: no
+  /// them. x_desired: (n_x × N+1); g, z: (n_z × N). RT: no heap, no lock, no throw (with OSQP: no
   /// heap unless it polishes).
   [[nodiscard]] virtual QpReport solve(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
                                        const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-                                       const Eigen::Ref<const Eigen::MatrixXd>& r,
+                                       const Eigen::Ref<const Eigen::MatrixXd>& g,
                                        Eigen::Ref<Eigen::MatrixXd> z,
                                        Eigen::Ref<Eigen::VectorXd> x_N) noexcept = 0;
 };
@@ -57,8 +59,13 @@ struct OsqpSettings {
 };
 
 /// Solution by the Riccati recursion over the augmented input ν = [λ; u], refined until the
-/// gradient no longer shrinks. Refuses bounds with std::invalid_argument.
+/// gradient no longer shrinks. Refuses constraints with std::invalid_argument.
 std::unique_ptr<QpStep> make_direct_qp(const Sizes& sizes);
+
+/// Solution by a primal-dual interior point method, each Newton step one Riccati recursion, so that
+/// time and memory grow linearly with N. Takes every kind of constraint; without any it is the direct
+/// method.
+std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes);
 
 /// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first `set_costs`,
 /// and again only where costs or bounds fill other places of the matrices; else it is updated.

@@ -21,6 +21,34 @@ bool has_sizes(const lcs::Lcs& lcs, const Sizes& s) {
          is(lcs.c, s.n_lambda, 1);
 }
 
+std::unique_ptr<QpStep> make_qp(const Sizes& sizes, const Settings& settings) {
+  switch (settings.qp) {
+    case QpBackend::kOsqp:
+      return make_osqp_qp(sizes, settings.osqp);
+    case QpBackend::kInteriorPoint:
+      return make_interior_point_qp(sizes);
+    case QpBackend::kDirect:
+      break;
+  }
+  return make_direct_qp(sizes);
+}
+
+std::unique_ptr<Projection> make_projection(const Sizes& sizes, const Settings& settings) {
+  switch (settings.projection) {
+    case ProjectionKind::kLcp:
+      return make_lcp_projection(sizes);
+    case ProjectionKind::kAdmm:
+      return make_admm_projection(sizes);
+    case ProjectionKind::kConvex:
+      return make_convex_projection(sizes);
+    case ProjectionKind::kPlus:
+      return make_plus_projection(sizes);
+    case ProjectionKind::kMiqp:
+      break;
+  }
+  return make_miqp_projection(sizes, settings.max_nodes);
+}
+
 bool is_finite(const lcs::Lcs& lcs) {
   return lcs.A.allFinite() && lcs.B.allFinite() && lcs.D.allFinite() && lcs.d.allFinite() &&
          lcs.E.allFinite() && lcs.F.allFinite() && lcs.H.allFinite() && lcs.c.allFinite();
@@ -51,54 +79,72 @@ void check(const Settings& settings) {
   }
 }
 
-Solver::Solver(const Sizes& sizes, const Settings& settings) : sizes_(sizes), settings_(settings) {
+Solver::Solver(const Sizes& sizes, const Settings& settings, const Parallel& parallel)
+    : sizes_(sizes),
+      settings_(settings),
+      parallel_(parallel),
+      n_copy_(sizes.n_z() + (settings.projection == ProjectionKind::kPlus ? sizes.n_lambda : 0)),
+      lemke_(sizes.n_lambda) {
   check(sizes);
   check(settings);
-  qp_ = settings.qp == QpBackend::kOsqp ? make_osqp_qp(sizes, settings.osqp)
-                                        : make_direct_qp(sizes);
-  projection_ = settings.projection == ProjectionKind::kLcp
-                    ? make_lcp_projection(sizes)
-                    : make_miqp_projection(sizes, settings.max_nodes);
-  for (MatrixXd* m : {&z_, &delta_, &r_, &solution_.z, &solution_.delta, &solution_.w}) {
-    m->setZero(sizes.n_z(), sizes.N);
+  qp_ = make_qp(sizes, settings);
+  const int workers = parallel.run == nullptr ? 1 : std::max(1, parallel.workers);
+  for (int i = 0; i < workers; ++i) workers_.push_back({make_projection(sizes, settings), nullptr});
+  for (MatrixXd* m : {&delta_, &v_, &solution_.z, &solution_.delta, &solution_.w}) {
+    m->setZero(n_copy_, sizes.N);
   }
+  z_.setZero(sizes.n_z(), sizes.N);
+  g_.setZero(sizes.n_z(), sizes.N);
   x_N_.setZero(sizes.n_x);
-  v_.setZero(sizes.n_z());
   y_.setZero(sizes.n_lambda);
+  lambda_0_.setZero(sizes.n_lambda);
+  reports_.resize(sizes.N);
+  if (settings.projection == ProjectionKind::kPlus) {
+    J_.assign(sizes.N, MatrixXd::Zero(sizes.n_lambda, sizes.n_z()));
+    W_.assign(sizes.N, MatrixXd::Zero(sizes.n_z(), sizes.n_z()));
+  }
   solution_.x_N.setZero(sizes.n_x);
   solution_.primal_residual.setZero(settings.admm_iterations);
-  solution_.n_u = sizes.n_u;
+  solution_.sizes = sizes;
+  if (settings.trace) {
+    const MatrixXd copy = MatrixXd::Zero(n_copy_, sizes.N);
+    solution_.trace.assign(settings.admm_iterations,
+                           {0.0, copy, x_N_, copy, copy, {}, 0, reports_, 0.0, 0.0, 0.0});
+  }
   reset();
 }
 
-void Solver::set_costs(const Costs& costs, const Bounds& bounds) {
-  check(costs, sizes_);
-  check(bounds, sizes_);
+void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
+  check(costs, sizes_, settings_.projection);
+  check(constraints, sizes_);
   has_costs_ = false;
-  qp_->set_costs(costs, bounds);
-  projection_->set_weight(costs.U);
+  qp_->set_costs(costs, constraints);
+  for (const Worker& worker : workers_) worker.projection->set_weights(costs);
+  G_ = costs.G;
+  plus_ = costs.plus;
   has_costs_ = true;
 }
 
 const Solution& Solver::solve(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0,
                               const Eigen::Ref<const MatrixXd>& x_desired,
-                              const Deadline& deadline) noexcept {
-  return run({&lcs, 0}, x0, x_desired, deadline);
+                              const Deadline& deadline, const Start* start) noexcept {
+  return run({&lcs, 0}, x0, x_desired, deadline, start);
 }
 
 const Solution& Solver::solve(const std::vector<lcs::Lcs>& lcs,
                               const Eigen::Ref<const VectorXd>& x0,
                               const Eigen::Ref<const MatrixXd>& x_desired,
-                              const Deadline& deadline) noexcept {
+                              const Deadline& deadline, const Start* start) noexcept {
   if (static_cast<int>(lcs.size()) != sizes_.N) {
     reset();
     return fail(Failure::kWrongSize);
   }
-  return run({lcs.data(), 1}, x0, x_desired, deadline);
+  return run({lcs.data(), 1}, x0, x_desired, deadline, start);
 }
 
 Failure Solver::refuse(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
-                       const Eigen::Ref<const MatrixXd>& x_desired) const noexcept {
+                       const Eigen::Ref<const MatrixXd>& x_desired,
+                       const Start* start) const noexcept {
   if (!has_costs_) return Failure::kNoCosts;
   if (x0.size() != sizes_.n_x || x_desired.rows() != sizes_.n_x ||
       x_desired.cols() != sizes_.N + 1) {
@@ -110,39 +156,61 @@ Failure Solver::refuse(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
     if (!has_sizes(lcs[k], sizes_)) return Failure::kWrongSize;
     if (!is_finite(lcs[k])) return Failure::kNotFinite;
   }
+  if (start == nullptr) return Failure::kNone;
+  for (const MatrixXd* m : {&start->delta, &start->w}) {
+    if (m->rows() != n_copy_ || m->cols() != sizes_.N) return Failure::kWrongSize;
+    if (!m->allFinite()) return Failure::kNotFinite;
+  }
   return Failure::kNone;
 }
 
 const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
                             const Eigen::Ref<const MatrixXd>& x_desired,
-                            const Deadline& deadline) noexcept {
+                            const Deadline& deadline, const Start* start) noexcept {
   reset();
-  if (const Failure failure = refuse(lcs, x0, x_desired); failure != Failure::kNone) {
+  if (const Failure failure = refuse(lcs, x0, x_desired, start); failure != Failure::kNone) {
     return fail(failure);
   }
-  qp_->start(lcs);
-  if (lcs.stride == 0) projection_->start(lcs[0]);
-  if (settings_.delta_starts_at_x0) solution_.delta.topRows(sizes_.n_x).colwise() = x0;
+  if (settings_.fix_lambda_0) {
+    if (const Failure failure = find_lambda_0(lcs[0], x0); failure != Failure::kNone) {
+      return fail(failure);
+    }
+  }
+  qp_->start(lcs, weigh(lcs), settings_.fix_lambda_0 ? &lambda_0_ : nullptr);
+  for (Worker& worker : workers_) worker.lcs = nullptr;
+  if (start != nullptr) {
+    solution_.delta = start->delta;
+    solution_.w = start->w;
+  } else if (settings_.delta_starts_at_x0) {
+    solution_.delta.topRows(sizes_.n_x).colwise() = x0;
+  }
 
   solution_.status = SolveStatus::kOk;
-  double rho = settings_.rho;
   for (int i = 0; i < settings_.admm_iterations; ++i) {
-    r_ = solution_.delta - solution_.w;
-    solution_.qp = qp_->solve(rho, x0, x_desired, r_, z_, x_N_);         // [C3, eq. (21)]
+    const double rho = solution_.rho;
+    aim(lcs);
+    solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);         // [C3, eq. (21)]
     if (solution_.qp.status == QpStatus::kInfeasible ||
         solution_.qp.status == QpStatus::kNotFactorable) {
       return fail(Failure::kQp);
     }
     if (!z_.allFinite() || !x_N_.allFinite()) return fail(Failure::kNotFinite);
-    solution_.z = z_;
+    solution_.z.topRows(sizes_.n_z()) = z_;
     solution_.x_N = x_N_;
+    append_eta(lcs);
     ++solution_.iterations;
     const bool last = i + 1 == settings_.admm_iterations;
-    if (last && !settings_.project_last) break;
-
-    if (!project(lcs, deadline)) break;                                  // [C3, eq. (22), (23)]
+    if (last && !settings_.project_last) {
+      record(lcs, rho, false);
+      break;
+    }
+    if (!project(lcs, deadline)) {                                       // [C3, eq. (22) – (24)]
+      record(lcs, rho, false);
+      break;
+    }
     solution_.w = (solution_.w + solution_.z - solution_.delta) / settings_.rho_scale;
-    rho *= settings_.rho_scale;
+    solution_.rho *= settings_.rho_scale;
+    record(lcs, rho, true);
     if (!last && deadline.struck()) {
       solution_.status = SolveStatus::kTruncated;
       break;
@@ -153,37 +221,127 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   return solution_;
 }
 
-bool Solver::project(Horizon lcs, const Deadline& deadline) noexcept {
-  for (int k = 0; k < sizes_.N; ++k) {
-    if (deadline.struck()) {
-      solution_.status = SolveStatus::kTruncated;
-      return false;
-    }
-    if (lcs.stride != 0) projection_->start(lcs[k]);
-    v_ = solution_.z.col(k) + solution_.w.col(k);
-    const ProjectionReport report = projection_->project(v_, delta_.col(k), deadline);
-    solution_.branch_nodes += report.nodes;
-    if (report.status == ProjectionStatus::kDeadline) {
-      solution_.status = SolveStatus::kTruncated;
-      return false;
-    }
-    if (report.status == ProjectionStatus::kNone ||
-        report.status == ProjectionStatus::kNotFinite) {
-      // the deadline may be why there is no point yet
-      const bool late = report.status == ProjectionStatus::kNone && deadline.struck();
-      solution_.status = late ? SolveStatus::kTruncated : SolveStatus::kFailed;
-      solution_.failure = late ? Failure::kNone : Failure::kProjection;
-      return false;
-    }
-    if (report.status == ProjectionStatus::kNodeLimit) {
-      ++solution_.inexact_projections;
-      solution_.status = SolveStatus::kTruncated;
+Failure Solver::find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0) noexcept {
+  if (!lcs.H.isZero(0.0)) return Failure::kLambda0;
+  VectorXd& q = lemke_.q();
+  q = lcs.c;
+  q.noalias() += lcs.E * x0;
+  const lcs::LcpReport report = lemke_.solve_regularised(lcs.F, q, lambda_0_);
+  return report.status == lcs::LcpStatus::kSolved ? Failure::kNone : Failure::kLambda0;
+}
+
+StageMatrices Solver::weigh(Horizon lcs) noexcept {
+  if (settings_.projection != ProjectionKind::kPlus) {
+    return {G_.data(), G_.count() == 1 ? 0 : 1};
+  }
+  const int systems = lcs.stride == 0 ? 1 : sizes_.N;
+  for (int k = 0; k < systems; ++k) {
+    MatrixXd& J = J_[k];
+    J.leftCols(sizes_.n_x) = lcs[k].E;
+    J.middleCols(sizes_.n_x, sizes_.n_lambda) = lcs[k].F;
+    J.rightCols(sizes_.n_u) = lcs[k].H;
+    MatrixXd& W = W_[k];
+    W.setZero();
+    W.diagonal().segment(sizes_.n_x, sizes_.n_lambda) = plus_.g_lambda;
+    // row by row: contact rows are mostly zeros
+    for (int row = 0; row < sizes_.n_lambda; ++row) {
+      for (int col = 0; col < sizes_.n_z(); ++col) {
+        const double weighted = plus_.g_eta[row] * J(row, col);
+        if (weighted == 0.0) continue;
+        for (int other = 0; other < sizes_.n_z(); ++other) W(other, col) += weighted * J(row, other);
+      }
     }
   }
+  return {W_.data(), lcs.stride == 0 ? 0 : 1};
+}
+
+void Solver::aim(Horizon lcs) noexcept {
+  if (settings_.projection != ProjectionKind::kPlus) {
+    v_ = solution_.delta - solution_.w;
+    for (int k = 0; k < sizes_.N; ++k) g_.col(k).noalias() = G_[k] * v_.col(k);
+    return;
+  }
+  g_.setZero();
+  for (int k = 0; k < sizes_.N; ++k) {
+    const auto delta = solution_.delta.col(k), w = solution_.w.col(k);
+    sizes_.lambda(g_.col(k)) = plus_.g_lambda.cwiseProduct(sizes_.lambda(delta) - sizes_.lambda(w));
+    y_ = plus_.g_eta.cwiseProduct(sizes_.eta(delta) - sizes_.eta(w) - lcs[k].c);
+    g_.col(k).noalias() += J_[k * lcs.stride].transpose() * y_;
+  }
+}
+
+void Solver::append_eta(Horizon lcs) noexcept {
+  if (settings_.projection != ProjectionKind::kPlus) return;
+  for (int k = 0; k < sizes_.N; ++k) {
+    y_ = lcs[k].c;
+    y_.noalias() += J_[k * lcs.stride] * z_.col(k);
+    sizes_.eta(solution_.z.col(k)) = y_;
+  }
+}
+
+void Solver::project_stage(void* round, int k, int worker) noexcept {
+  const Round& r = *static_cast<const Round*>(round);
+  Solver& solver = *r.solver;
+  ProjectionReport& report = solver.reports_[k];
+  if (r.deadline->struck()) {
+    report = {ProjectionStatus::kDeadline, 0, 0.0};
+    return;
+  }
+  Worker& w = solver.workers_[worker];
+  const lcs::Lcs& lcs = r.lcs[k];
+  if (w.lcs != &lcs) w.projection->start(lcs);
+  w.lcs = &lcs;
+  report = w.projection->project(solver.v_.col(k), solver.delta_.col(k), *r.deadline);
+}
+
+bool Solver::project(Horizon lcs, const Deadline& deadline) noexcept {
+  v_ = solution_.z + solution_.w;
+  Round round{this, lcs, &deadline};
+  if (workers_.size() > 1) {
+    parallel_.run(parallel_.pool, sizes_.N, &Solver::project_stage, &round);
+  } else {
+    for (int k = 0; k < sizes_.N; ++k) project_stage(&round, k, 0);
+  }
+  bool late = false, failed = false, inexact = false;
+  for (const ProjectionReport& report : reports_) {
+    solution_.branch_nodes += report.nodes;
+    late |= report.status == ProjectionStatus::kDeadline;
+    failed |= report.status == ProjectionStatus::kNone ||
+              report.status == ProjectionStatus::kNotFinite;
+    if (report.status == ProjectionStatus::kNodeLimit) {
+      ++solution_.inexact_projections;
+      inexact = true;
+    }
+  }
+  // the deadline may be why one of them has no point yet
+  late |= failed && deadline.struck();
+  if (late || failed) {
+    solution_.status = late ? SolveStatus::kTruncated : SolveStatus::kFailed;
+    solution_.failure = late ? Failure::kNone : Failure::kProjection;
+    return false;
+  }
+  if (inexact) solution_.status = SolveStatus::kTruncated;
+  if (settings_.trace) dual_residual_ = solution_.rho * (delta_ - solution_.delta).norm();
   solution_.delta = delta_;
   solution_.primal_residual[solution_.projections] = (solution_.z - solution_.delta).norm();
   ++solution_.projections;
   return true;
+}
+
+void Solver::record(Horizon lcs, double rho, bool projected) noexcept {
+  if (!settings_.trace) return;
+  Iterate& iterate = solution_.trace[solution_.iterations - 1];
+  iterate.rho = rho;
+  iterate.z = solution_.z;
+  iterate.x_N = solution_.x_N;
+  iterate.delta = solution_.delta;
+  iterate.w = solution_.w;
+  iterate.qp = solution_.qp;
+  iterate.projections = projected ? sizes_.N : 0;
+  std::copy(reports_.begin(), reports_.end(), iterate.projection.begin());
+  iterate.primal_residual = projected ? solution_.primal_residual[solution_.projections - 1] : 0.0;
+  iterate.dual_residual = projected ? dual_residual_ : 0.0;
+  iterate.complementarity_violation = complementarity_violation(lcs);
 }
 
 double Solver::complementarity_violation(Horizon lcs) noexcept {
@@ -206,6 +364,7 @@ void Solver::reset() noexcept {
   solution_.x_N.setZero();
   solution_.delta.setZero();
   solution_.w.setZero();
+  solution_.rho = settings_.rho;
   solution_.primal_residual.setZero();
   solution_.complementarity_violation = 0.0;
   solution_.iterations = solution_.projections = solution_.inexact_projections = 0;
@@ -219,6 +378,17 @@ const Solution& Solver::fail(Failure failure) noexcept {
   solution_.z.setZero();
   solution_.x_N.setZero();
   return solution_;
+}
+
+void shift(const Solution& solution, double rho, Start& start) {
+  const Eigen::Index N = solution.delta.cols();
+  start.delta.resizeLike(solution.delta);
+  start.w.resizeLike(solution.w);
+  for (Eigen::Index k = 0; k < N; ++k) {
+    const Eigen::Index next = std::min(k + 1, N - 1);
+    start.delta.col(k) = solution.delta.col(next);
+    start.w.col(k) = solution.w.col(next) * (solution.rho / rho);
+  }
 }
 
 }  // namespace c3rt::c3

@@ -6,15 +6,20 @@
 #include <Eigen/Core>
 
 #include "controller/c3/deadline.hpp"
+#include "controller/c3/parallel.hpp"
 #include "controller/c3/problem.hpp"
 #include "controller/c3/projection.hpp"
 #include "controller/c3/qp.hpp"
 #include "controller/lcs/lcs.hpp"
+#include "controller/lcs/lemke.hpp"
 
 namespace c3rt::c3 {
 
-enum class QpBackend { kDirect, kOsqp };
-enum class ProjectionKind { kMiqp, kLcp };
+enum class QpBackend {
+  kDirect,         // no constraints
+  kInteriorPoint,  // any constraints
+  kOsqp,
+};
 
 /// Settings of Algorithm 1. Counts alone decide the answer: no time limit is in here.
 struct Settings {
@@ -26,6 +31,8 @@ struct Settings {
   int max_nodes;               // of one projection's branch and bound
   bool delta_starts_at_x0;     // δ⁰ = [x0; 0; 0] in all stages instead of 0
   bool project_last = false;   // also project after the last QP, whose u_0 does not depend on it
+  bool fix_lambda_0 = false;   // λ_0 = LCP(E x_0 + c, F) in every QP; needs H = 0 at the first stage
+  bool trace = false;          // keep every iterate
 };
 
 /// Throws std::invalid_argument naming the field and what was expected.
@@ -40,18 +47,35 @@ enum class SolveStatus {
 enum class Failure {
   kNone,
   kNoCosts,     // set_costs was not called
-  kWrongSize,   // of the system, x0 or x_desired
-  kNotFinite,   // NaN or infinity in the system, x0 or x_desired, or in what came of them
+  kWrongSize,   // of the system, x0, x_desired or the start
+  kNotFinite,   // NaN or infinity in these, or in what came of them
+  kLambda0,     // fix_lambda_0: H is not zero, or the LCP at x_0 has no solution
   kQp,          // see Solution::qp
   kProjection,  // no point of the LCP's set was found
+};
+
+/// What one turn of Algorithm 1 left behind. The copies have n_z rows, with C3+ n_z + n_lambda: the
+/// gap η below (Sizes::eta).
+struct Iterate {
+  double rho;                 // of its QP
+  Eigen::MatrixXd z;          // (n_copy × N)
+  Eigen::VectorXd x_N;        // (n_x)
+  Eigen::MatrixXd delta, w;   // (n_copy × N) after projection and dual update; as before without
+  QpReport qp;
+  int projections;            // N, or 0 where the turn ended with the QP
+  std::vector<ProjectionReport> projection;  // (N)
+  double primal_residual;     // ‖z − δ‖_F
+  double dual_residual;       // ρ ‖δ − δ of the turn before‖_F
+  double complementarity_violation;  // of z, as in Solution
 };
 
 struct Solution {
   SolveStatus status = SolveStatus::kFailed;
   Failure failure = Failure::kNoCosts;
-  Eigen::MatrixXd z;    // (n_z × N) of the last complete QP: x_k, λ_k, u_k
+  Eigen::MatrixXd z;    // (n_copy × N) of the last complete QP: x_k, λ_k, u_k; with C3+ also η_k
   Eigen::VectorXd x_N;  // (n_x)
-  Eigen::MatrixXd delta, w;          // (n_z × N) copies and scaled duals, as the next QP would use
+  Eigen::MatrixXd delta, w;          // (n_copy × N) copies and scaled duals, for the next QP
+  double rho = 0.0;                  // of the next QP
   Eigen::VectorXd primal_residual;   // (s) ‖z − δ‖_F after projection i, 0 where there was none
   double complementarity_violation;  // max |min(λ, E x + F λ + H u + c)| over the stages of z
   int iterations = 0;                // complete QPs
@@ -59,56 +83,107 @@ struct Solution {
   int inexact_projections = 0;       // ended by max_nodes
   long branch_nodes = 0;             // QPs of all branch and bounds (pivots with kLcp)
   QpReport qp{};                     // of the last QP
-  int n_u = 0;
+  std::vector<Iterate> trace;        // (s) the first `iterations` count; empty unless asked for
+  Sizes sizes{};
 
-  auto u_0() const { return z.col(0).tail(n_u); }
+  auto u_0() const { return sizes.u(z.col(0)); }
 };
+
+/// Where Algorithm 1 begins, instead of w⁰ = 0 and δ⁰ = 0.
+struct Start {
+  Eigen::MatrixXd delta, w;  // (n_copy × N)
+};
+
+/// A start from an earlier solution, one stage on: stage k takes the copy and the dual of k + 1, the
+/// last stage keeps its own. w is rescaled so that the dual ρ w is the same at `rho`. No heap if
+/// `start` has the sizes already.
+void shift(const Solution& solution, double rho, Start& start);
 
 /// Consensus complementarity control [C3, Algorithm 1]:
 ///
 ///   z ← QP (21);   δ_k ← projection of z_k + w_k (22);   w_k ← (w_k + z_k − δ_k)/ρ_s;   ρ ← ρ_s ρ
 ///
 /// Start: w = 0. Sizes are fixed by the constructor; after `set_costs` a solve allocates nothing
-/// (but see OsqpSettings::polish). Equal problems give equal bits, whatever was solved between them.
+/// (but see OsqpSettings::polish). Equal problems give equal bits, whatever was solved between them
+/// and however many threads projected.
 class Solver {
  public:
+  /// @param parallel  threads for the N projections
   /// @throws std::invalid_argument as `check`
-  Solver(const Sizes& sizes, const Settings& settings);
+  Solver(const Sizes& sizes, const Settings& settings, const Parallel& parallel = {});
 
-  /// @throws std::invalid_argument as `check`; also if there are bounds and the back end is direct
-  void set_costs(const Costs& costs, const Bounds& bounds = {});
+  /// @throws std::invalid_argument as `check`; also if there are constraints and the back end is
+  /// direct
+  void set_costs(const Costs& costs, const Constraints& constraints = {});
 
   /// @param x_desired  (n_x × N+1)
   /// The reference is valid until the next call. RT: no heap, no lock, no throw.
   const Solution& solve(const lcs::Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
                         const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-                        const Deadline& deadline = {}) noexcept;
+                        const Deadline& deadline = {}, const Start* start = nullptr) noexcept;
 
   /// The same with one system per stage (N of them).
   const Solution& solve(const std::vector<lcs::Lcs>& lcs,
                         const Eigen::Ref<const Eigen::VectorXd>& x0,
                         const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-                        const Deadline& deadline = {}) noexcept;
+                        const Deadline& deadline = {}, const Start* start = nullptr) noexcept;
+
+  /// Rows of a stage's copy: n_z, with C3+ n_z + n_lambda.
+  int n_copy() const noexcept { return n_copy_; }
 
  private:
+  /// A projection of its own for each thread, and the system that it was started with.
+  struct Worker {
+    std::unique_ptr<Projection> projection;
+    const lcs::Lcs* lcs;
+  };
+  /// What `project_stage` needs of a round of projections.
+  struct Round {
+    Solver* solver;
+    Horizon lcs;
+    const Deadline* deadline;
+  };
+
   Failure refuse(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
-                 const Eigen::Ref<const Eigen::MatrixXd>& x_desired) const noexcept;
+                 const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+                 const Start* start) const noexcept;
   const Solution& run(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
                       const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-                      const Deadline& deadline) noexcept;
+                      const Deadline& deadline, const Start* start) noexcept;
   void reset() noexcept;
   const Solution& fail(Failure failure) noexcept;
+  Failure find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x0) noexcept;
+  /// The W of the QP step.
+  StageMatrices weigh(Horizon lcs) noexcept;
+  /// g_ ← the linear consensus term for δ and w
+  void aim(Horizon lcs) noexcept;
+  /// The gaps η_k below z_k.
+  void append_eta(Horizon lcs) noexcept;
   /// δ ← projections of z + w; false if the solve cannot go on (see solution_)
   bool project(Horizon lcs, const Deadline& deadline) noexcept;
+  static void project_stage(void* round, int k, int worker) noexcept;
+  void record(Horizon lcs, double rho, bool projected) noexcept;
   double complementarity_violation(Horizon lcs) noexcept;
 
   Sizes sizes_;
   Settings settings_;
+  Parallel parallel_;
+  int n_copy_;
   bool has_costs_ = false;
   std::unique_ptr<QpStep> qp_;
-  std::unique_ptr<Projection> projection_;
-  Eigen::MatrixXd z_, delta_, r_;  // work: a z or δ is published only when it is complete
-  Eigen::VectorXd x_N_, v_, y_;
+  std::vector<Worker> workers_;
+  PerStage<Eigen::MatrixXd> G_;
+  PlusWeights plus_;
+  // C3+ alone, N each
+  std::vector<Eigen::MatrixXd> J_;  // [E F H] (n_lambda × n_z)
+  std::vector<Eigen::MatrixXd> W_;  // G_λ + Jᵀ G_η J
+  lcs::Lemke lemke_;
+  Eigen::VectorXd lambda_0_;
+  Eigen::MatrixXd z_, g_;           // work: a z or δ is published only when it is complete
+  Eigen::MatrixXd delta_, v_;
+  std::vector<ProjectionReport> reports_;
+  Eigen::VectorXd x_N_, y_;
+  double dual_residual_ = 0.0;
   Solution solution_;
 };
 

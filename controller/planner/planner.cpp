@@ -42,7 +42,7 @@ c3::Costs costs_of(const PhaseWeights& weights) {
 
   c3::Costs costs;
   costs.Q = Q.asDiagonal();
-  costs.Q_N = costs.Q;
+  costs.Q_N = Q.asDiagonal();
   costs.R = weights.R * Eigen::MatrixXd::Identity(L::n_u, L::n_u);
   costs.G = G.asDiagonal();
   costs.U = U.asDiagonal();

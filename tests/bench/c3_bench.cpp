@@ -76,7 +76,7 @@ void project(benchmark::State& state) {
   c3::Solver solver(sizes, settings(c3::QpBackend::kDirect));
   solver.set_costs(costs);
   const auto projection = c3::make_miqp_projection(sizes, 10000);
-  projection->set_weight(costs.U);
+  projection->set_weights(costs);
   const Problem& problem = all[static_cast<std::size_t>(state.range(0))];
   const Eigen::MatrixXd v = solver.solve(problem.lcs, problem.x0, problem.x_desired).z;
   projection->start(problem.lcs);
@@ -96,8 +96,9 @@ void qp_step(benchmark::State& state) {
   const std::vector<Problem> all = problems();
   const c3::Sizes sizes = rolling_ball::sizes();
   const auto qp = c3::make_direct_qp(sizes);
-  qp->set_costs(rolling_ball::costs(rolling_ball::Phase::kRoll), {});
-  qp->start({&all[0].lcs, 0});
+  const c3::Costs costs = rolling_ball::costs(rolling_ball::Phase::kRoll);
+  qp->set_costs(costs, {});
+  qp->start({&all[0].lcs, 0}, {costs.G.data(), 0}, nullptr);
   const Eigen::MatrixXd r = Eigen::MatrixXd::Zero(sizes.n_z(), sizes.N);
   Eigen::MatrixXd z(sizes.n_z(), sizes.N);
   Eigen::VectorXd x_N(sizes.n_x);

@@ -141,7 +141,7 @@ inline c3rt::c3::Costs costs(Phase phase) {
   U << VectorXd::Constant(19, 100.0), VectorXd::Constant(15, 1.0);
   c3rt::c3::Costs costs;
   costs.Q = Q.asDiagonal();
-  costs.Q_N = costs.Q;
+  costs.Q_N = Q.asDiagonal();
   costs.R = Eigen::Matrix3d(0.01 * Eigen::Matrix3d::Identity());
   costs.G = G.asDiagonal();
   costs.U = U.asDiagonal();

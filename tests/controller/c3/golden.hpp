@@ -44,7 +44,7 @@ struct Case {
   c3rt::c3::Sizes sizes;
   c3rt::lcs::Lcs lcs;
   c3rt::c3::Costs costs;
-  c3rt::c3::Bounds bounds;
+  c3rt::c3::Constraints bounds;
   int s;
   double rho, rho_scale;
   bool delta_starts_at_x0, fixes_lambda_0, bounded;
@@ -52,11 +52,19 @@ struct Case {
   Eigen::MatrixXd x_desired;
   std::vector<Iteration> iterations;
 
+  c3rt::c3::ProjectionKind kind() const {
+    if (projection == "LCP") return c3rt::c3::ProjectionKind::kLcp;
+    if (projection == "CONVEX") return c3rt::c3::ProjectionKind::kConvex;
+    return c3rt::c3::ProjectionKind::kMiqp;
+  }
+
   c3rt::c3::Settings settings(c3rt::c3::QpBackend qp) const {
-    return {s, rho, rho_scale, qp, {20000, 1e-10, 0.1, 50, true},
-            projection == "LCP" ? c3rt::c3::ProjectionKind::kLcp
-                                : c3rt::c3::ProjectionKind::kMiqp,
-            1 << 12, delta_starts_at_x0};
+    c3rt::c3::Settings made{s,      rho,     rho_scale, qp, {20000, 1e-10, 0.1, 50, true},
+                            kind(), 1 << 12, delta_starts_at_x0};
+    made.project_last = true;  // as the reference does
+    made.fix_lambda_0 = fixes_lambda_0;
+    made.trace = true;
+    return made;
   }
 };
 
@@ -85,10 +93,14 @@ inline std::vector<Case> load(const std::string& example) {
     const auto [n_x, n_lambda, n_u] = c3rt::lcs::sizes(c.lcs);
     c.sizes = {n_x, n_lambda, n_u, p["N"].get<int>()};
     c.costs = {matrix(p["Q"]), matrix(p["QN"]), matrix(p["R"]), matrix(p["G"]), matrix(p["U"])};
-    c.bounds = {vector(p["xmin"], -kInfinity), vector(p["xmax"], kInfinity), {}, {},
-                vector(p["umin"], -kInfinity), vector(p["umax"], kInfinity)};
-    c.bounded = c.bounds.x_min.maxCoeff() > -kInfinity || c.bounds.x_max.minCoeff() < kInfinity ||
-                c.bounds.u_min.maxCoeff() > -kInfinity || c.bounds.u_max.minCoeff() < kInfinity;
+    if (c.projection == "CONVEX") {
+      c.costs.convex = {matrix(p["Qx"]), matrix(p["Qu"]), p["alpha"], p["eps"]};
+    }
+    c.bounds.x_min = vector(p["xmin"], -kInfinity);
+    c.bounds.x_max = vector(p["xmax"], kInfinity);
+    c.bounds.u_min = vector(p["umin"], -kInfinity);
+    c.bounds.u_max = vector(p["umax"], kInfinity);
+    c.bounded = any(c.bounds);
     c.s = p["s"];
     c.rho = p["rho"];
     c.rho_scale = p["rho_s"];
@@ -112,7 +124,7 @@ inline std::vector<Case> load(const std::string& example) {
           iteration.unique_lambda =
               iteration.unique_lambda && projection["n_isolated"] == 1 &&
               projection["n_singular_sets"] == 0;
-        } else {
+        } else if (c.projection == "MIQP") {
           iteration.objective[k] = projection["obj"];
           if (!projection["margin"].is_null()) iteration.margin[k] = projection["margin"];
         }

@@ -32,15 +32,25 @@ MatrixXd first_delta(const golden::Case& c) {
   return delta;
 }
 
+/// λ_0 that the reference fixed, where it did.
+VectorXd first_lambda(const golden::Case& c) {
+  c3rt::lcs::Lemke lemke(c.sizes.n_lambda);
+  VectorXd lambda(c.sizes.n_lambda);
+  REQUIRE(lemke.solve(c.lcs.F, VectorXd(c.lcs.E * c.x0 + c.lcs.c), lambda).status ==
+          c3rt::lcs::LcpStatus::kSolved);
+  return lambda;
+}
+
 void compare_qp(const golden::Case& c, QpStep& qp, double tolerance) {
   qp.set_costs(c.costs, c.bounds);
-  qp.start({&c.lcs, 0});
+  const VectorXd lambda_0 = c.fixes_lambda_0 ? first_lambda(c) : VectorXd();
+  qp.start({&c.lcs, 0}, {c.costs.G.data(), 0}, c.fixes_lambda_0 ? &lambda_0 : nullptr);
   MatrixXd z(c.sizes.n_z(), c.sizes.N);
   VectorXd x_N(c.sizes.n_x);
   for (std::size_t i = 0; i < c.iterations.size(); ++i) {
     const MatrixXd delta = i == 0 ? first_delta(c) : c.iterations[i - 1].delta;
-    const QpReport report =
-        qp.solve(c.iterations[i].rho, c.x0, c.x_desired, delta - dual(c, i), z, x_N);
+    const QpReport report = qp.solve(c.iterations[i].rho, c.x0, c.x_desired,
+                                     c.costs.G[0] * (delta - dual(c, i)), z, x_N);
     CAPTURE(c.id, i, report.iterations, report.residual);
     CHECK(report.status == QpStatus::kSolved);
     CHECK(distance(z, c.iterations[i].z) < tolerance);
@@ -54,24 +64,34 @@ TEST_CASE("golden: the direct QP step is the reference's, from the same delta an
   int compared = 0;
   for (const char* example : {"cartpole", "pivoting"}) {
     for (const golden::Case& c : golden::load(example)) {
-      if (c.fixes_lambda_0 || c.bounded) continue;
+      if (c.bounded) continue;
       compare_qp(c, *make_direct_qp(c.sizes), 1e-8);
       ++compared;
     }
   }
-  REQUIRE(compared >= 5);
+  REQUIRE(compared >= 38);
+}
+
+TEST_CASE("golden: the interior point's QP step is the reference's, with and without bounds") {
+  int compared = 0;
+  for (const char* example : {"cartpole", "finger", "pivoting"}) {
+    for (const golden::Case& c : golden::load(example)) {
+      compare_qp(c, *make_interior_point_qp(c.sizes), 1e-6);
+      ++compared;
+    }
+  }
+  REQUIRE(compared >= 50);
 }
 
 TEST_CASE("golden: the OSQP step is the reference's, with and without bounds") {
   int compared = 0;
   for (const char* example : {"cartpole", "finger", "pivoting"}) {
     for (const golden::Case& c : golden::load(example)) {
-      if (c.fixes_lambda_0) continue;
       compare_qp(c, *make_osqp_qp(c.sizes, c.settings(QpBackend::kOsqp).osqp), 1e-6);
       ++compared;
     }
   }
-  REQUIRE(compared >= 7);
+  REQUIRE(compared >= 50);
 }
 
 TEST_CASE("golden: the MIQP projection is the reference's, from the same z and w") {
@@ -80,7 +100,7 @@ TEST_CASE("golden: the MIQP projection is the reference's, from the same z and w
     for (const golden::Case& c : golden::load(example)) {
       if (c.projection != "MIQP") continue;
       const auto projection = make_miqp_projection(c.sizes, 1 << 12);
-      projection->set_weight(c.costs.U);
+      projection->set_weights(c.costs);
       projection->start(c.lcs);
       VectorXd delta(c.sizes.n_z());
       for (std::size_t i = 0; i < c.iterations.size(); ++i) {
@@ -111,7 +131,7 @@ TEST_CASE("golden: the LCP projection is the reference's, from the same z and w"
     for (const golden::Case& c : golden::load(example)) {
       if (c.projection != "LCP") continue;
       const auto projection = make_lcp_projection(c.sizes);
-      projection->set_weight(c.costs.U);
+      projection->set_weights(c.costs);
       projection->start(c.lcs);
       VectorXd delta(c.sizes.n_z());
       for (std::size_t i = 0; i < c.iterations.size(); ++i) {
@@ -134,30 +154,63 @@ TEST_CASE("golden: the LCP projection is the reference's, from the same z and w"
   REQUIRE(unique >= 50);
 }
 
-TEST_CASE("golden: a whole solve ends at the reference's first input") {
+TEST_CASE("golden: the convex projection is the reference's, from the same z and w") {
   int compared = 0;
-  for (const char* example : {"cartpole", "finger", "pivoting"}) {
-    for (const golden::Case& c : golden::load(example)) {
-      if (c.fixes_lambda_0) continue;
-      // a choice between equal modes on the way makes another, equally right, path
-      const bool unique = std::all_of(
-          c.iterations.begin(), c.iterations.end() - 1, [](const golden::Iteration& i) {
-            return i.unique_lambda && i.margin.minCoeff() > kMargin;
-          });
-      for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kOsqp}) {
-        if (backend == QpBackend::kDirect && c.bounded) continue;
-        Solver solver(c.sizes, c.settings(backend));
-        solver.set_costs(c.costs, c.bounds);
-        const Solution& solution = solver.solve(c.lcs, c.x0, c.x_desired);
-        CAPTURE(c.id, unique, solution.u_0().transpose(), c.u_0.transpose());
-        CHECK(solution.status == SolveStatus::kOk);
-        CHECK(solution.iterations == c.s);
-        if (!unique) continue;
-        CHECK(distance(solution.u_0(), c.u_0) < 1e-5);
-        CHECK(distance(solution.z, c.iterations.back().z) < 1e-5);
+  for (const golden::Case& c : golden::load("cartpole")) {
+    if (c.projection != "CONVEX") continue;
+    const auto projection = make_convex_projection(c.sizes);
+    projection->set_weights(c.costs);
+    projection->start(c.lcs);
+    VectorXd delta(c.sizes.n_z());
+    for (std::size_t i = 0; i < c.iterations.size(); ++i) {
+      const MatrixXd v = c.iterations[i].z + dual(c, i);
+      for (int k = 0; k < c.sizes.N; ++k) {
+        const ProjectionReport report = projection->project(v.col(k), delta, {});
+        CAPTURE(c.id, i, k);
+        CHECK(report.status == ProjectionStatus::kSolved);
+        CHECK(distance(delta, c.iterations[i].delta.col(k)) < 1e-8);
         ++compared;
       }
     }
   }
-  REQUIRE(compared >= 4);
+  REQUIRE(compared >= 100);
+}
+
+TEST_CASE("golden: a whole solve is the reference's, iterate by iterate") {
+  int compared = 0, unique_throughout = 0;
+  for (const char* example : {"cartpole", "finger", "pivoting"}) {
+    for (const golden::Case& c : golden::load(example)) {
+      for (const QpBackend backend :
+           {QpBackend::kDirect, QpBackend::kInteriorPoint, QpBackend::kOsqp}) {
+        if (backend == QpBackend::kDirect && c.bounded) continue;
+        Solver solver(c.sizes, c.settings(backend));
+        solver.set_costs(c.costs, c.bounds);
+        const Solution& solution = solver.solve(c.lcs, c.x0, c.x_desired);
+        CAPTURE(c.id, static_cast<int>(backend));
+        CHECK(solution.status == SolveStatus::kOk);
+        CHECK(solution.iterations == c.s);
+        CHECK(solution.projections == c.s);
+        bool unique = true;
+        for (int i = 0; i < c.s; ++i) {
+          const golden::Iteration& reference = c.iterations[i];
+          const Iterate& iterate = solution.trace[i];
+          CAPTURE(i);
+          CHECK(iterate.rho == Approx(reference.rho));
+          CHECK(distance(iterate.z, reference.z) < 1e-5);
+          CHECK(distance(iterate.x_N, reference.x_N) < 1e-5);
+          ++compared;
+          // a choice between equal modes makes another, equally right, path from here on
+          unique = unique && reference.unique_lambda && reference.margin.minCoeff() > kMargin;
+          if (!unique) break;
+          CHECK(distance(iterate.delta, reference.delta) < 1e-5);
+          CHECK(distance(iterate.w, dual(c, static_cast<std::size_t>(i) + 1)) < 1e-5);
+        }
+        if (!unique) continue;
+        CHECK(distance(solution.u_0(), c.u_0) < 1e-5);
+        ++unique_throughout;
+      }
+    }
+  }
+  REQUIRE(compared >= 500);
+  REQUIRE(unique_throughout >= 60);
 }

@@ -16,6 +16,12 @@ using Eigen::VectorXd;
 
 namespace {
 
+Costs weighted_by(const MatrixXd& U) {
+  Costs costs;
+  costs.U = U;
+  return costs;
+}
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The node's problem of the ball: rows of unit length, many of them nearly or quite dependent.
@@ -46,7 +52,7 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
   support::Random random(17);
   const VectorXd weight = rolling_ball::costs(rolling_ball::Phase::kRoll).U.diagonal();
   const auto projection = make_miqp_projection(rolling_ball::sizes(), 1 << 20);
-  projection->set_weight(weight.asDiagonal());
+  projection->set_weights(weighted_by(weight.asDiagonal()));
   for (int trial = 0; trial < 2; ++trial) {
     const VectorXd x = rolling_ball::state(random.uniform(-0.002, 0.01), random.uniform(-0.3, 0.3));
     const lcs::Lcs lcs = rolling_ball::lcs(x);

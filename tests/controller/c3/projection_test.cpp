@@ -19,6 +19,12 @@ using Eigen::VectorXd;
 
 namespace {
 
+Costs weighted_by(const MatrixXd& U) {
+  Costs costs;
+  costs.U = U;
+  return costs;
+}
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 VectorXd gap(const lcs::Lcs& lcs, const Sizes& sizes, const VectorXd& z) {
@@ -88,7 +94,7 @@ MatrixXd definite(support::Random& random, int n) {
 
 void compare(const lcs::Lcs& lcs, const Sizes& sizes, const MatrixXd& U, const VectorXd& v) {
   const auto projection = make_miqp_projection(sizes, 1 << 16);
-  projection->set_weight(U);
+  projection->set_weights(weighted_by(U));
   projection->start(lcs);
   VectorXd delta(sizes.n_z());
   const ProjectionReport report = projection->project(v, delta, {});
@@ -179,7 +185,7 @@ TEST_CASE("MIQP projection: a point of the set stays where it is") {
           lcs::LcpStatus::kSolved);
   REQUIRE(sizes.lambda(v).maxCoeff() > 0.0);
   const auto projection = make_miqp_projection(sizes, 1000);
-  projection->set_weight(rolling_ball::costs(rolling_ball::Phase::kRoll).U);
+  projection->set_weights(rolling_ball::costs(rolling_ball::Phase::kRoll));
   projection->start(lcs);
   VectorXd delta(sizes.n_z());
   const ProjectionReport report = projection->project(v, delta, {});
@@ -200,7 +206,7 @@ TEST_CASE("MIQP projection: coordinates without weight move as far as they like"
     const VectorXd v = random.vector(sizes.n_z());
     for (const auto& [projection, delta] :
          {std::pair{miqp.get(), &by_miqp}, {lcp.get(), &by_lcp}}) {
-      projection->set_weight(U);
+      projection->set_weights(weighted_by(U));
       projection->start(lcs);
       REQUIRE(projection->project(v, *delta, {}).status == ProjectionStatus::kSolved);
     }
@@ -221,7 +227,7 @@ TEST_CASE("MIQP projection: a bound on nodes is reported and leaves a point of t
     VectorXd delta(sizes.n_z());
     for (const int max_nodes : {1, 8, 12}) {
       const auto projection = make_miqp_projection(sizes, max_nodes);
-      projection->set_weight(U);
+      projection->set_weights(weighted_by(U));
       projection->start(lcs);
       const ProjectionReport report = projection->project(v, delta, {});
       CHECK(report.nodes <= max_nodes);
@@ -243,7 +249,7 @@ TEST_CASE("LCP projection: state and input stay, the force is the LCP's") {
   const lcs::Lcs lcs = rolling_ball::lcs(x);
   const Sizes sizes = rolling_ball::sizes();
   const auto projection = make_lcp_projection(sizes);
-  projection->set_weight(rolling_ball::costs(rolling_ball::Phase::kRoll).U);
+  projection->set_weights(rolling_ball::costs(rolling_ball::Phase::kRoll));
   projection->start(lcs);
   support::Random random(16);
   VectorXd v = 0.1 * random.vector(sizes.n_z()), delta(sizes.n_z());
@@ -261,7 +267,7 @@ TEST_CASE("projections: NaN is a status, and delta is v then") {
   VectorXd v = VectorXd::Zero(sizes.n_z()), delta(sizes.n_z());
   v[20] = std::numeric_limits<double>::quiet_NaN();
   for (const auto& projection : {make_miqp_projection(sizes, 10), make_lcp_projection(sizes)}) {
-    projection->set_weight(U);
+    projection->set_weights(weighted_by(U));
     projection->start(lcs);
     REQUIRE(projection->project(v, delta, {}).status == ProjectionStatus::kNotFinite);
   }

@@ -40,12 +40,12 @@ Answer reference(const Problem& p) {
   Matrix kkt = Matrix::Zero(n + m, n + m);
   Vector right = Vector::Zero(n + m);
   for (int k = 0; k < N; ++k) {
-    MatrixXd stage = p.rho * p.costs.G;
-    stage.topLeftCorner(n_x, n_x) += p.costs.Q;
-    stage.bottomRightCorner(p.sizes.n_u, p.sizes.n_u) += p.costs.R;
+    MatrixXd stage = p.rho * p.costs.G[k];
+    stage.topLeftCorner(n_x, n_x) += p.costs.Q[k];
+    stage.bottomRightCorner(p.sizes.n_u, p.sizes.n_u) += p.costs.R[k];
     kkt.block(k * n_z, k * n_z, n_z, n_z) = stage.cast<long double>();
-    right.segment(k * n_z, n_z) = (p.rho * p.costs.G * p.r.col(k)).cast<long double>();
-    right.segment(k * n_z, n_x) += (p.costs.Q * p.x_desired.col(k)).cast<long double>();
+    right.segment(k * n_z, n_z) = (p.rho * p.costs.G[k] * p.r.col(k)).cast<long double>();
+    right.segment(k * n_z, n_x) += (p.costs.Q[k] * p.x_desired.col(k)).cast<long double>();
     MatrixXd step(n_x, n_z);
     step << p.lcs[k].A, p.lcs[k].D, p.lcs[k].B;
     kkt.block(n + (k + 1) * n_x, k * n_z, n_x, n_z) = step.cast<long double>();
@@ -96,11 +96,11 @@ Problem random_problem(unsigned seed) {
   return p;
 }
 
-Answer solve(QpStep& qp, const Problem& p, const Bounds& bounds = {}) {
+Answer solve(QpStep& qp, const Problem& p, const Constraints& bounds = {}) {
   qp.set_costs(p.costs, bounds);
-  qp.start({p.lcs.data(), 1});
+  qp.start({p.lcs.data(), 1}, {p.costs.G.data(), 0}, nullptr);
   Answer answer{MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
-  const QpReport report = qp.solve(p.rho, p.x0, p.x_desired, p.r, answer.z, answer.x_N);
+  const QpReport report = qp.solve(p.rho, p.x0, p.x_desired, p.costs.G[0] * p.r, answer.z, answer.x_N);
   CAPTURE(report.iterations, report.residual);
   CHECK(report.status == QpStatus::kSolved);
   return answer;
@@ -177,10 +177,10 @@ TEST_CASE("OSQP: another problem in between leaves no trace in the bits") {
   Answer answers[3];
   for (int i = 0; i < 3; ++i) {
     const Problem& problem = i == 1 ? other : p;
-    qp->start({problem.lcs.data(), 1});
+    qp->start({problem.lcs.data(), 1}, {problem.costs.G.data(), 0}, nullptr);
     answers[i] = {MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
     for (const double rho : {0.3, 0.9}) {
-      (void)qp->solve(rho, problem.x0, problem.x_desired, problem.r, answers[i].z, answers[i].x_N);
+      (void)qp->solve(rho, problem.x0, problem.x_desired, problem.costs.G[0] * problem.r, answers[i].z, answers[i].x_N);
     }
   }
   REQUIRE(answers[0].z == answers[2].z);
@@ -191,7 +191,7 @@ TEST_CASE("OSQP: another problem in between leaves no trace in the bits") {
 TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
   Problem p = random_problem(8);
   const Answer free = solve(*make_osqp_qp(p.sizes, kPrecise), p);
-  Bounds bounds;
+  Constraints bounds;
   const double limit = 0.5 * free.z.bottomRows(p.sizes.n_u).cwiseAbs().maxCoeff();
   bounds.u_min = VectorXd::Constant(p.sizes.n_u, -limit);
   bounds.u_max = VectorXd::Constant(p.sizes.n_u, limit);
@@ -208,7 +208,7 @@ TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
       z = z_of_inputs.col(k);
       p.sizes.x(z) = x;
       const VectorXd e = x - p.x_desired.col(k), g = z - p.r.col(k), u_k = p.sizes.u(z);
-      sum += e.dot(p.costs.Q * e) + u_k.dot(p.costs.R * u_k) + p.rho * g.dot(p.costs.G * g);
+      sum += e.dot(p.costs.Q[k] * e) + u_k.dot(p.costs.R[k] * u_k) + p.rho * g.dot(p.costs.G[k] * g);
       x = p.lcs[k].A * x + p.lcs[k].B * u_k + p.lcs[k].D * p.sizes.lambda(z) + p.lcs[k].d;
     }
     const VectorXd e = x - p.x_desired.col(p.sizes.N);
@@ -227,26 +227,26 @@ TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
 TEST_CASE("direct QP: bounds are refused, infinite ones are none") {
   const Problem p = random_problem(1);
   const auto qp = make_direct_qp(p.sizes);
-  Bounds bounds;
+  Constraints bounds;
   bounds.u_max = VectorXd::Constant(p.sizes.n_u, std::numeric_limits<double>::infinity());
   REQUIRE_NOTHROW(qp->set_costs(p.costs, bounds));
-  bounds.u_max[0] = 1.0;
+  bounds.u_max[0][0] = 1.0;
   REQUIRE_THROWS_AS(qp->set_costs(p.costs, bounds), std::invalid_argument);
 }
 
 TEST_CASE("OSQP: bounds that contradict the dynamics are infeasible, not an answer") {
   const Problem p = random_problem(3);
   REQUIRE(p.sizes.N > 1);
-  Bounds bounds;
+  Constraints bounds;
   bounds.x_min = VectorXd::Constant(p.sizes.n_x, 1e4);
   bounds.x_max = VectorXd::Constant(p.sizes.n_x, 2e4);
   bounds.u_min = VectorXd::Constant(p.sizes.n_u, -1.0);
-  bounds.u_max = -bounds.u_min;
+  bounds.u_max = -bounds.u_min[0];
   bounds.lambda_min = VectorXd::Constant(p.sizes.n_lambda, -1.0);
-  bounds.lambda_max = -bounds.lambda_min;
+  bounds.lambda_max = -bounds.lambda_min[0];
   const auto qp = make_osqp_qp(p.sizes, {20000, 1e-6, 0.1, 50, false});
   qp->set_costs(p.costs, bounds);
-  qp->start({p.lcs.data(), 1});
+  qp->start({p.lcs.data(), 1}, {p.costs.G.data(), 0}, nullptr);
   MatrixXd z(p.sizes.n_z(), p.sizes.N);
   VectorXd x_N(p.sizes.n_x);
   REQUIRE(qp->solve(p.rho, p.x0, p.x_desired, p.r, z, x_N).status == QpStatus::kInfeasible);

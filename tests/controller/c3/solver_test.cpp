@@ -139,8 +139,8 @@ TEST_CASE("solver: OSQP's workspace outlives an exchange of weights, and shows n
   const Problem given = problem();
   const Costs roll = rolling_ball::costs(rolling_ball::Phase::kRoll);
   Costs heavier = roll;
-  heavier.Q *= 10.0;
-  heavier.R *= 3.0;
+  heavier.Q[0] *= 10.0;
+  heavier.R[0] *= 3.0;
   const auto solved_with = [&](const std::vector<Costs>& one_after_another) {
     Solver made(rolling_ball::sizes(), settings(QpBackend::kOsqp));
     for (const Costs& costs : one_after_another) {
@@ -274,11 +274,11 @@ TEST_CASE("solver: costs that cannot be used are refused and leave no half-set s
   const Problem p = problem();
   Solver c3 = solver(settings());
   Costs bad = rolling_ball::costs(rolling_ball::Phase::kRoll);
-  bad.G(0, 0) = -1.0;
+  bad.G[0](0, 0) = -1.0;
   const MatrixXd z = c3.solve(p.lcs, p.x0, p.x_desired).z;
   REQUIRE_THROWS_AS(c3.set_costs(bad), std::invalid_argument);
   REQUIRE(c3.solve(p.lcs, p.x0, p.x_desired).z == z);  // refused at the door: the old ones stay
-  Bounds bounds;
+  Constraints bounds;
   bounds.u_max = VectorXd::Ones(3);
   REQUIRE_THROWS_AS(c3.set_costs(rolling_ball::costs(rolling_ball::Phase::kRoll), bounds),
                     std::invalid_argument);
