@@ -15,21 +15,52 @@ Eigen::Vector3d end_effector_normal(const BallState& state) {
   return (state.p_WE - state.p_WB).normalized();
 }
 
-// rows of J_t: n_e edges +t −t +s −s of the speed of the contact's first body relative to the
-// second
-void fill_edges(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Vector3d& t,
-                const Eigen::Vector3d& s,
-                const Eigen::Matrix<double, 3, kVelocities>& relative_velocity) {
-  rows.row(0) = t.transpose() * relative_velocity;
-  rows.row(1) = -rows.row(0);
-  rows.row(2) = s.transpose() * relative_velocity;
-  rows.row(3) = -rows.row(2);
-}
-
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   Eigen::Matrix3d result;
   result << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return result;
+}
+
+/// One contact: the map from v to the velocity of its first body relative to the second.
+struct Contact {
+  double gap;
+  Eigen::Vector3d normal;
+  Eigen::Matrix<double, 3, kVelocities> relative_velocity;
+};
+
+// the end effector against the ball's surface point r n away from the ball's centre
+Contact end_effector_contact(const BallModelParameters& parameters, const BallState& state) {
+  const Eigen::Vector3d n = end_effector_normal(state);
+  Contact contact{
+      (state.p_WE - state.p_WB).norm() - parameters.end_effector_radius - parameters.ball_radius, n,
+      Eigen::Matrix<double, 3, kVelocities>::Zero()};
+  auto& relative = contact.relative_velocity;
+  relative.middleCols<3>(kVelocityEndEffector).setIdentity();
+  relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * n);  // −ω × r n
+  relative.middleCols<3>(kVelocityBall) = -Eigen::Matrix3d::Identity();
+  return contact;
+}
+
+// the ball's lowest point against the table
+Contact table_contact(const BallModelParameters& parameters, const BallState& state) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  Contact contact{state.p_WB.z() - parameters.ball_radius - parameters.table_height, up,
+                  Eigen::Matrix<double, 3, kVelocities>::Zero()};
+  auto& relative = contact.relative_velocity;
+  relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * up);  // ω × (−r ẑ)
+  relative.middleCols<3>(kVelocityBall).setIdentity();
+  return contact;
+}
+
+// rows of J_t: n_e edges +t −t +s −s of the speed of the contact's first body relative to the
+// second
+void fill_edges(Eigen::Ref<Eigen::MatrixXd> rows, const Contact& contact) {
+  Eigen::Vector3d t, s;
+  tangents(contact.normal, t, s);
+  rows.row(0) = t.transpose() * contact.relative_velocity;
+  rows.row(1) = -rows.row(0);
+  rows.row(2) = s.transpose() * contact.relative_velocity;
+  rows.row(3) = -rows.row(2);
 }
 
 }  // namespace
@@ -50,7 +81,8 @@ void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d
   s = normal.cross(t);
 }
 
-ContactSystem ball_contact_system(const BallModelParameters& parameters, const BallState& state) {
+ContactSystem ball_contact_system(const BallModelParameters& parameters, const BallState& state,
+                                  const std::vector<BallContact>& contacts) {
   ContactSystem system;
   system.q = to_vector(state).head<kPositions>();
 
@@ -84,33 +116,20 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   system.d_v[kVelocityEndEffector + 2] = -kGravity;
   system.d_v[kVelocityBall + 2] = -kGravity;
 
-  system.phi.resize(L::n_c);
-  system.J_n = Eigen::MatrixXd::Zero(L::n_c, kVelocities);
-  system.J_t = Eigen::MatrixXd::Zero(L::n_c * L::n_e, kVelocities);
-  system.mu = Eigen::Vector2d(parameters.friction_end_effector, parameters.friction_table);
-  Eigen::Vector3d t, s;
-
-  // contact 0: end effector against the ball's surface point r n away from the ball's centre
-  const Eigen::Vector3d n = end_effector_normal(state);
-  tangents(n, t, s);
-  Eigen::Matrix<double, 3, kVelocities> relative = Eigen::Matrix<double, 3, kVelocities>::Zero();
-  relative.middleCols<3>(kVelocityEndEffector).setIdentity();
-  relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * n);  // −ω × r n
-  relative.middleCols<3>(kVelocityBall) = -Eigen::Matrix3d::Identity();
-  system.phi[0] =
-      (state.p_WE - state.p_WB).norm() - parameters.end_effector_radius - parameters.ball_radius;
-  system.J_n.row(0) = n.transpose() * relative;
-  fill_edges(system.J_t.topRows(L::n_e), t, s, relative);
-
-  // contact 1: the ball's lowest point against the table
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  tangents(up, t, s);
-  relative.setZero();
-  relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * up);  // ω × (−r ẑ)
-  relative.middleCols<3>(kVelocityBall).setIdentity();
-  system.phi[1] = state.p_WB.z() - parameters.ball_radius - parameters.table_height;
-  system.J_n.row(1) = up.transpose() * relative;
-  fill_edges(system.J_t.bottomRows(L::n_e), t, s, relative);
+  const auto n_c = static_cast<Eigen::Index>(contacts.size());
+  system.phi.resize(n_c);
+  system.mu.resize(n_c);
+  system.J_n.resize(n_c, kVelocities);
+  system.J_t.resize(n_c * L::n_e, kVelocities);
+  for (Eigen::Index i = 0; i < n_c; ++i) {
+    const bool table = contacts[static_cast<std::size_t>(i)] == BallContact::kTable;
+    const Contact contact =
+        table ? table_contact(parameters, state) : end_effector_contact(parameters, state);
+    system.phi[i] = contact.gap;
+    system.mu[i] = table ? parameters.friction_table : parameters.friction_end_effector;
+    system.J_n.row(i) = contact.normal.transpose() * contact.relative_velocity;
+    fill_edges(system.J_t.middleRows(i * L::n_e, L::n_e), contact);
+  }
   return system;
 }
 

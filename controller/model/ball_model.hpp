@@ -1,6 +1,8 @@
 #pragma once
 // The simplified model M_s of section VII: a point-mass end effector with a spherical tip, a ball
 // and a table.
+#include <vector>
+
 #include <Eigen/Geometry>
 
 #include "controller/model/contact_system.hpp"
@@ -44,9 +46,18 @@ BallStateVector to_vector(const BallState& state);
 /// The basis is continuous but at normals along ±x.
 void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d& s);
 
+enum class BallContact {
+  kEndEffector,  // end effector and ball
+  kTable,        // ball and table
+};
+
 /// M_s evaluated at a state. Gravity acts on ball and end effector.
+/// @param contacts those that the model has, in the order of its λ. BallLayout is for both of them
+/// in their order, the default.
 /// Precondition: the centres of end effector and ball differ.
-ContactSystem ball_contact_system(const BallModelParameters& parameters, const BallState& state);
+ContactSystem ball_contact_system(const BallModelParameters& parameters, const BallState& state,
+                                  const std::vector<BallContact>& contacts = {
+                                      BallContact::kEndEffector, BallContact::kTable});
 
 /// The force that contact 0 exerts on the end effector, in W [N], from an unscaled λ of this model
 /// at `state`.

@@ -204,6 +204,28 @@ TEST_CASE("ball model: pressing on the ball gives the reaction on the end effect
   CHECK(next.lambda[L::normal_table] == Approx(kModel.ball_mass * kGravity + 2.0));
 }
 
+TEST_CASE("ball model: the caller chooses the contacts and their order") {
+  std::mt19937 generator(5);
+  const model::BallState state = random_state(generator);
+  const model::ContactSystem both = model::ball_contact_system(kModel, state);
+  const model::ContactSystem swapped = model::ball_contact_system(
+      kModel, state, {model::BallContact::kTable, model::BallContact::kEndEffector});
+  CHECK(swapped.phi == both.phi.reverse());
+  CHECK(swapped.mu == both.mu.reverse());
+  CHECK(swapped.J_n.row(0) == both.J_n.row(1));
+  CHECK(swapped.J_t.topRows(4) == both.J_t.bottomRows(4));
+  CHECK(swapped.J_t.bottomRows(4) == both.J_t.topRows(4));
+
+  // without the table, the ball falls through it
+  model::BallState rest = resting();
+  const lcs::Lcs lcs = model::stewart_trinkle(
+      model::ball_contact_system(kModel, rest, {model::BallContact::kEndEffector}), 0.01);
+  lcs::Lemke lemke(6);
+  VectorXd x(L::n_x), lambda(6);
+  REQUIRE(lcs::step(lcs, model::to_vector(rest), kHover, lemke, x, lambda).ok());
+  CHECK(x[L::v_WB + 2] == Approx(-kGravity * 0.01));
+}
+
 TEST_CASE("ball model: scaling the forces leaves the next state as it is") {
   model::BallState state = resting();
   state.v_WB.x() = 0.3;
