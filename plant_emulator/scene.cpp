@@ -310,19 +310,23 @@ std::string installed_mesh_directory() {
   return std::filesystem::exists(folder / "link0.stl") ? folder.string() : std::string();
 }
 
-Model build_model(const SceneParameters& parameters) {
-  check(parameters);
-  const std::string text = xml(parameters);
+Model compile_model(const std::string& mjcf) {
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   constexpr const char* kName = "c3rt.xml";
-  mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(text.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], text.data(), text.size());
+  mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(mjcf.size()));
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], mjcf.data(), mjcf.size());
   std::array<char, 1000> error{};
   Model model(mj_loadXML(kName, files.get(), error.data(), static_cast<int>(error.size())));
   mj_deleteVFS(files.get());
   if (!model)
     throw std::runtime_error(std::string("scene: MuJoCo refuses the model: ") + error.data());
+  return model;
+}
+
+Model build_model(const SceneParameters& parameters) {
+  check(parameters);
+  Model model = compile_model(xml(parameters));
 
   for (int i = 0; i < kJoints; ++i)
     write_inertia(*model, "link" + std::to_string(i + 1),

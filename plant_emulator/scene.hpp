@@ -76,6 +76,10 @@ struct DataDeleter {
 using Model = std::unique_ptr<mjModel, ModelDeleter>;
 using Data = std::unique_ptr<mjData, DataDeleter>;
 
+/// The model of an MJCF document.
+/// @throws std::runtime_error with MuJoCo's words
+Model compile_model(const std::string& mjcf);
+
 /// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then one free joint per ball), bodies
 /// link1..link7, end_effector, table, ball0.., site end_effector at the centre of its sphere,
 /// cameras as given.
