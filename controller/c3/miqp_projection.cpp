@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "controller/c3/node_qp.hpp"
+#include "controller/c3/pair_rows.hpp"
 #include "controller/c3/projection.hpp"
 
 namespace c3rt::c3 {
@@ -15,8 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kZeroWeight = 1e-8;     // of the largest, for directions without weight
-constexpr double kSingular = 1e-12;      // of the largest: a weight that counts as none
 constexpr double kFeasible = 1e-11;      // of the largest normalised |s| at v
 constexpr double kComplementary = 1e-10; // the same, for the smaller side of a pair
 constexpr double kRounding = 1e-14;      // the same, for that side after the last polish
@@ -32,68 +31,43 @@ class MiqpProjection final : public Projection {
       : sizes_(sizes),
         max_nodes_(max_nodes),
         n_(sizes.n_lambda),
-        J_(2 * n_, sizes.n_z()),
-        C_(sizes.n_z(), 2 * n_),
-        scale_(2 * n_),
-        t_(2 * n_),
+        rows_(sizes),
         best_(sizes.n_z(), 2 * n_),
         difference_(sizes.n_z()),
         weighted_(sizes.n_z()) {
     // one state per level: a level pins one more pair
     nodes_.reserve(n_ + 1);
     for (int i = 0; i <= n_; ++i) nodes_.emplace_back(sizes.n_z(), 2 * n_);
-    J_.setZero();
-    J_.block(0, sizes.n_x, n_, n_).setIdentity();
   }
 
   void set_weights(const Costs& costs) override {
-    const MatrixXd& U = costs.U;
-    U_ = U;
-    MatrixXd definite = U;
-    const double largest = std::max(U.diagonal().maxCoeff(), 1e-300);
-    diagonal_ = U.isDiagonal(0.0);
-    if (diagonal_) {
-      for (Eigen::Index i = 0; i < U.rows(); ++i) {
-        if (U(i, i) <= kSingular * largest) definite(i, i) = kZeroWeight * largest;
-      }
-    } else if (Eigen::LDLT<MatrixXd>(U).vectorD().minCoeff() <= kSingular * largest) {
-      definite.diagonal().array() += kZeroWeight * largest;
-    }
-    L_inverse_ = definite.llt().matrixL().solve(MatrixXd::Identity(U.rows(), U.cols()));
+    U_ = costs.U;
+    diagonal_ = U_.isDiagonal(0.0);
+    L_inverse_ = definite(U_).llt().matrixL().solve(MatrixXd::Identity(U_.rows(), U_.cols()));
   }
 
   void start(const lcs::Lcs& lcs) noexcept override {
-    c_ = &lcs.c;
-    J_.block(n_, 0, n_, sizes_.n_x) = lcs.E;
-    J_.block(n_, sizes_.n_x, n_, n_) = lcs.F;
-    J_.block(n_, sizes_.n_x + n_, n_, sizes_.n_u) = lcs.H;
+    rows_.assign(lcs);
     if (diagonal_) {
-      C_.noalias() = L_inverse_.diagonal().asDiagonal() * J_.transpose();
+      rows_.C.noalias() = L_inverse_.diagonal().asDiagonal() * rows_.J.transpose();
     } else {
-      C_.noalias() = L_inverse_ * J_.transpose();
+      rows_.C.noalias() = L_inverse_ * rows_.J.transpose();
     }
-    for (int i = 0; i < 2 * n_; ++i) {
-      const double length = C_.col(i).norm();
-      scale_[i] = length > 0.0 ? 1.0 / length : 1.0;
-      C_.col(i) *= scale_[i];
-    }
+    rows_.normalise();
   }
 
   ProjectionReport project(const Eigen::Ref<const VectorXd>& v, Eigen::Ref<VectorXd> delta,
                            const Deadline& deadline) noexcept override {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
-    t_.noalias() = J_ * v;
-    t_.tail(n_) += *c_;
-    t_.array() *= scale_.array();
-    magnitude_ = t_.cwiseAbs().maxCoeff();
+    magnitude_ = rows_.evaluate(v);
     best_objective_ = kInfinity;
     n_nodes_ = 0;
     stuck_ = false;
     stopped_by_ = ProjectionStatus::kSolved;
     deadline_ = &deadline;
 
-    nodes_[0].start(t_);
+    nodes_[0].start(rows_.t);
     explore(0);
     if (best_objective_ == kInfinity) return {ProjectionStatus::kNone, n_nodes_, 0.0};
     if (stuck_ && stopped_by_ == ProjectionStatus::kSolved) {
@@ -117,7 +91,7 @@ class MiqpProjection final : public Projection {
     ++n_nodes_;
     NodeQp& node = nodes_[level];
     const double bound = best_objective_ * (1.0 - kSameObjective);
-    const NodeQp::Status status = node.solve(C_, t_, kFeasible * magnitude_, bound);
+    const NodeQp::Status status = node.solve(rows_.C, rows_.t, kFeasible * magnitude_, bound);
     if (status == NodeQp::Status::kStuck) stuck_ = true;  // its subtree is lost, not searched
     if (status != NodeQp::Status::kSolved || node.objective() >= bound) return;
 
@@ -154,9 +128,9 @@ class MiqpProjection final : public Projection {
     NodeQp& node = nodes_[0];
     node.copy_from(best_);
     for (int i = 0; i < n_; ++i) node.pin(node.s()[i] <= node.s()[n_ + i] ? i : n_ + i);
-    const NodeQp::Status status = node.solve(C_, t_, kRounding * magnitude_, kInfinity);
+    const NodeQp::Status status = node.solve(rows_.C, rows_.t, kRounding * magnitude_, kInfinity);
     if (status == NodeQp::Status::kSolved) best_.copy_from(node);
-    best_.refine(C_, t_);
+    best_.refine(rows_.C, rows_.t);
     if (diagonal_) {
       difference_ = L_inverse_.diagonal().cwiseProduct(best_.f());
     } else {
@@ -177,12 +151,7 @@ class MiqpProjection final : public Projection {
   bool diagonal_ = false;
   MatrixXd U_;
   MatrixXd L_inverse_;    // of U = L Lᵀ
-  MatrixXd J_;            // [0 I 0; E F H] (2 n_lambda × n_z)
-  MatrixXd C_;            // L⁻¹ Jᵀ, columns of length 1 (n_z × 2 n_lambda)
-  VectorXd scale_;        // 1/length of the columns before
-  const VectorXd* c_ = nullptr;
-
-  VectorXd t_;            // s at v
+  PairRows rows_;  // with T = L⁻ᵀ
   double magnitude_ = 0.0;
   std::vector<NodeQp> nodes_;
   NodeQp best_;

@@ -38,7 +38,7 @@ std::unique_ptr<Projection> make_projection(const Sizes& sizes, const Settings& 
     case ProjectionKind::kLcp:
       return make_lcp_projection(sizes);
     case ProjectionKind::kAdmm:
-      return make_admm_projection(sizes);
+      return make_admm_projection(sizes, settings.admm);
     case ProjectionKind::kConvex:
       return make_convex_projection(sizes);
     case ProjectionKind::kPlus:
@@ -68,6 +68,14 @@ void check(const Settings& settings) {
           std::to_string(settings.rho_scale));
   require(settings.max_nodes >= 1, "max_nodes: expected 1 or more",
           std::to_string(settings.max_nodes));
+  if (settings.projection == ProjectionKind::kAdmm) {
+    const AdmmProjectionSettings& admm = settings.admm;
+    require(positive(admm.rho), "admm.rho: expected a positive number", std::to_string(admm.rho));
+    require(positive(admm.rho_scale), "admm.rho_scale: expected a positive number",
+            std::to_string(admm.rho_scale));
+    require(admm.iterations >= 1, "admm.iterations: expected 1 or more",
+            std::to_string(admm.iterations));
+  }
   if (settings.qp == QpBackend::kOsqp) {
     const OsqpSettings& osqp = settings.osqp;
     require(osqp.max_iterations >= 1, "osqp.max_iterations: expected 1 or more",

@@ -33,6 +33,7 @@ struct Settings {
   bool project_last = false;   // also project after the last QP, whose u_0 does not depend on it
   bool fix_lambda_0 = false;   // λ_0 = LCP(E x_0 + c, F) in every QP; needs H = 0 at the first stage
   bool trace = false;          // keep every iterate
+  AdmmProjectionSettings admm = {};  // used by kAdmm
 };
 
 /// Throws std::invalid_argument naming the field and what was expected.
