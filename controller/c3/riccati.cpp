@@ -1,0 +1,225 @@
+#include "controller/c3/riccati.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace c3rt::c3 {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where Cholesky breaks down
+constexpr int kMaxShifts = 4;          // each 100 times the one before
+
+/// y += S v for columns [first, last) of S, v starting with column `first`.
+void add_product(kernels::Columns S, int first, int last, const double* v, double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    const double factor = v[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] += S.value[e] * factor;
+  }
+}
+
+/// y += Sᵀ v for columns [first, last) of S.
+void add_transposed_product(kernels::Columns S, int first, int last, const double* v,
+                            double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    double sum = y[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) sum += S.value[e] * v[S.row[e]];
+    y[j - first] = sum;
+  }
+}
+
+/// A maximum that keeps NaN.
+double larger(double a, double b) noexcept { return a > b || std::isnan(a) ? a : b; }
+
+}  // namespace
+
+Riccati::Riccati(const Sizes& sizes)
+    : sizes_(sizes),
+      n_nu_(sizes.n_lambda + sizes.n_u),
+      ld_x_(kernels::padded(sizes.n_x)),
+      ld_nu_(kernels::padded(n_nu_)),
+      systems_(sizes.N),
+      stages_(sizes.N) {
+  const auto n_x = static_cast<std::size_t>(sizes.n_x), n_nu = static_cast<std::size_t>(n_nu_);
+  const auto ld_x = static_cast<std::size_t>(ld_x_), ld_nu = static_cast<std::size_t>(ld_nu_);
+  const auto prepare = [n_x](Sparse& sparse, std::size_t columns) {
+    sparse.start.assign(columns + 1, 0);
+    sparse.row.assign(n_x * columns, 0);
+    sparse.value.assign(n_x * columns, 0.0);
+  };
+  for (System& system : systems_) {
+    prepare(system.A, n_x);
+    prepare(system.B_hat, n_nu);
+  }
+  for (Stage& stage : stages_) {
+    stage.L.assign(ld_nu * n_nu, 0.0);
+    stage.L_inverse.assign(ld_nu, 0.0);
+    stage.T.assign(ld_x * n_nu, 0.0);
+    stage.kappa.assign(ld_nu, 0.0);
+  }
+  P_.assign(ld_x * n_x, 0.0);
+  PA_ = AP_ = P_;
+  PB_.assign(ld_x * n_nu, 0.0);
+  BP_.assign(ld_nu * n_x, 0.0);
+  R_.assign(ld_nu * n_nu, 0.0);
+  p_.assign(ld_x, 0.0);
+  p_next_ = x_ = x_next_ = p_;
+  nu_.assign(ld_nu, 0.0);
+}
+
+void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
+  lcs_ = lcs;
+  lambda_0_fixed_ = lambda_0_fixed;
+  largest_gain_ = 0.0;
+  const auto append = [](Sparse& sparse, int& column, const MatrixXd& M) {
+    int entries = sparse.start[column];  // start[0] is 0 always
+    for (Eigen::Index j = 0; j < M.cols(); ++j) {
+      for (Eigen::Index i = 0; i < M.rows(); ++i) {
+        if (M(i, j) == 0.0) continue;
+        sparse.row[entries] = static_cast<int>(i);
+        sparse.value[entries++] = M(i, j);
+      }
+      sparse.start[++column] = entries;
+    }
+  };
+  for (int k = 0; k < (lcs.stride == 0 ? 1 : sizes_.N); ++k) {
+    int column = 0;
+    append(systems_[k].A, column, lcs[k].A);
+    column = 0;
+    append(systems_[k].B_hat, column, lcs[k].D);
+    append(systems_[k].B_hat, column, lcs[k].B);
+    for (int e = 0; e < systems_[k].B_hat.start[n_nu_]; ++e) {
+      largest_gain_ = std::max(largest_gain_, std::abs(systems_[k].B_hat.value[e]));
+    }
+  }
+}
+
+bool Riccati::factor(StageMatrices H, const MatrixXd& H_N) noexcept {
+  for (int j = 0; j < sizes_.n_x; ++j) {
+    std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P_[j * ld_x_]);
+  }
+  for (int k = sizes_.N - 1; k >= 0; --k) {
+    if (!factor_inputs(k, H[k])) return false;
+    if (k > 0) eliminate_inputs(k, H[k]);
+  }
+  return true;
+}
+
+/// R̂ = H_νν + B̂ᵀ P B̂ and its factor. Where rounding makes it indefinite, a tiny shift makes it
+/// definite; refinement with the exact gradient then removes the shift's error from a solution.
+bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
+  const kernels::Columns B_hat = system(k).B_hat.columns();
+  const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
+  std::fill(PB_.begin(), PB_.end(), 0.0);
+  kernels::add_product(n_x, P_.data(), B_hat, begin, n_nu_, false, PB_.data());
+  std::fill(BP_.begin(), BP_.end(), 0.0);
+  kernels::transpose(n_x, n, PB_.data(), BP_.data());
+  std::fill(R_.begin(), R_.end(), 0.0);
+  for (int j = 0; j < n; ++j) {
+    std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
+  }
+  kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, true, R_.data());
+  Stage& stage = stages_[k];
+  if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
+  double shift = 0.0;
+  for (int j = 0; j < n; ++j) shift = std::max(shift, kFirstShift * R_[j * ld + j]);
+  for (int i = 0; i < kMaxShifts; ++i) {
+    for (int j = 0; j < n; ++j) R_[j * ld + j] += shift;
+    if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
+    shift *= 100.0;
+  }
+  return false;
+}
+
+/// P ← H_xx + Aᵀ P A − T Tᵀ with T = (L⁻¹ S)ᵀ.
+void Riccati::eliminate_inputs(int k, const MatrixXd& H) noexcept {
+  const System& system = this->system(k);
+  const int n_x = sizes_.n_x;
+  Stage& stage = stages_[k];
+  std::fill(PA_.begin(), PA_.end(), 0.0);
+  kernels::add_product(n_x, P_.data(), system.A.columns(), 0, n_x, false, PA_.data());
+  kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
+  for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
+  kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, false, stage.T.data());
+  kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
+  for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P_[j * ld_x_]);
+  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, true, P_.data());
+  kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P_.data());
+  for (int j = 0; j < n_x; ++j) {
+    for (int i = j + 1; i < n_x; ++i) P_[i * ld_x_ + j] = P_[j * ld_x_ + i];
+  }
+}
+
+void Riccati::roll_out(const Eigen::Ref<const VectorXd>& x0, Eigen::Ref<MatrixXd> z,
+                       Eigen::Ref<VectorXd> x_N) const noexcept {
+  const int n_x = sizes_.n_x;
+  sizes_.x(z.col(0)) = x0;
+  for (int k = 0; k < sizes_.N; ++k) {
+    const double* z_k = z.col(k).data();
+    double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    std::copy_n(lcs_[k].d.data(), n_x, next);
+    add_product(system(k).A.columns(), 0, n_x, z_k, next);
+    add_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, next);
+  }
+}
+
+Riccati::Reduced Riccati::reduce(const MatrixXd& gradient, const VectorXd& gradient_N) noexcept {
+  const int n_x = sizes_.n_x;
+  Reduced reduced{0.0, 0.0};
+  std::copy_n(gradient_N.data(), n_x, p_.data());
+  for (int k = sizes_.N - 1; k >= 0; --k) {
+    const double* g = gradient.col(k).data();
+    const int begin = first(k), n = n_nu_ - begin;
+    std::fill(nu_.begin(), nu_.end(), 0.0);
+    add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), nu_.data());
+    for (int i = 0; i < n; ++i) {
+      const double own = g[n_x + begin + i];
+      reduced.scale = larger(larger(reduced.scale, std::abs(nu_[i])), std::abs(own));
+      reduced.largest = larger(reduced.largest, std::abs(nu_[i] + own));
+    }
+    std::copy_n(g, n_x, p_next_.data());
+    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    p_.swap(p_next_);
+  }
+  return reduced;
+}
+
+void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, MatrixXd& step_z,
+                   VectorXd& step_N) noexcept {
+  const int n_x = sizes_.n_x;
+  std::copy_n(gradient_N.data(), n_x, p_.data());
+  for (int k = sizes_.N - 1; k >= 0; --k) {
+    Stage& stage = stages_[k];
+    const double* g = gradient.col(k).data();
+    const int begin = first(k), n = n_nu_ - begin;
+    std::copy_n(g + n_x + begin, n, stage.kappa.data());
+    add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), stage.kappa.data());
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), stage.kappa.data());
+    if (k == 0) break;
+    std::copy_n(g, n_x, p_next_.data());
+    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), stage.kappa.data(), p_next_.data());
+    p_.swap(p_next_);
+  }
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (int k = 0; k < sizes_.N; ++k) {
+    const Stage& stage = stages_[k];
+    const int begin = first(k), n = n_nu_ - begin;
+    double* z_k = step_z.col(k).data();
+    for (int i = 0; i < n; ++i) nu_[i] = -stage.kappa[i];
+    if (k > 0) kernels::subtract_transposed(n_x, n_nu_, stage.T.data(), x_.data(), nu_.data());
+    kernels::solve_lower_transposed(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    std::copy_n(x_.data(), n_x, z_k);
+    std::fill_n(z_k + n_x, begin, 0.0);
+    std::copy_n(nu_.data(), n, z_k + n_x + begin);
+    std::fill(x_next_.begin(), x_next_.end(), 0.0);
+    add_product(system(k).A.columns(), 0, n_x, x_.data(), x_next_.data());
+    add_product(system(k).B_hat.columns(), begin, n_nu_, nu_.data(), x_next_.data());
+    x_.swap(x_next_);
+  }
+  std::copy_n(x_.data(), n_x, step_N.data());
+}
+
+}  // namespace c3rt::c3

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "controller/c3/kernels.hpp"
+#include "controller/c3/problem.hpp"
+
+namespace c3rt::c3 {
+
+/// Newton steps of
+///
+///   min Σ_{k<N} ½ z_kᵀ H_k z_k + ½ x_Nᵀ H_N x_N + linear terms,   x_{k+1} = A x_k + B̂ ν_k + d, x_0
+///   given
+///
+/// over the inputs ν = [λ; u], B̂ = [D B], by the Riccati recursion: time and memory grow linearly
+/// with N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A and
+/// B̂ are found in `start` and never multiplied; x_0 does not move, so stage 0 takes part with its ν
+/// only, and where λ_0 is fixed with its u only. After the constructor nothing allocates.
+class Riccati {
+ public:
+  explicit Riccati(const Sizes& sizes);
+
+  /// Takes the systems, which must outlive the calls of everything below. RT.
+  void start(Horizon lcs, bool lambda_0_fixed) noexcept;
+
+  /// @param H    (n_z × n_z) symmetric
+  /// @param H_N  (n_x × n_x) symmetric
+  /// False if the problem is not strictly convex in ν, or beyond double precision. RT.
+  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N) noexcept;
+
+  /// Largest entry of B̂ by size.
+  double largest_gain() const noexcept { return largest_gain_; }
+
+  /// The states that x0 and the ν of z lead to. RT.
+  void roll_out(const Eigen::Ref<const Eigen::VectorXd>& x0, Eigen::Ref<Eigen::MatrixXd> z,
+                Eigen::Ref<Eigen::VectorXd> x_N) const noexcept;
+
+  /// A gradient in z and x_N reduced to ν, the states following from it. RT.
+  /// @param gradient    of stage k in column k (n_z × N)
+  /// @param gradient_N  (n_x)
+  struct Reduced {
+    double largest;  // component by size; NaN if one is
+    double scale;    // largest of the terms that it is made of
+  };
+  Reduced reduce(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N) noexcept;
+
+  /// The change of z and x_N that minimises the model with this gradient. RT.
+  void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
+            Eigen::MatrixXd& step_z, Eigen::VectorXd& step_N) noexcept;
+
+ private:
+  /// A matrix by columns without its zeros (see kernels::Columns).
+  struct Sparse {
+    std::vector<int> start, row;
+    std::vector<double> value;
+    kernels::Columns columns() const noexcept { return {start.data(), row.data(), value.data()}; }
+  };
+  struct System {
+    Sparse A, B_hat;
+  };
+  struct Stage {
+    std::vector<double> L, L_inverse;  // L Lᵀ = R̂ = H_νν + B̂ᵀ P B̂, and 1/L_jj
+    std::vector<double> T;             // (L⁻¹ S)ᵀ, S = H_νx + B̂ᵀ P A    (n_x × n_nu)
+    std::vector<double> kappa;         // L⁻¹ (gradient of ν)
+  };
+
+  const System& system(int k) const noexcept { return systems_[k * lcs_.stride]; }
+  /// First entry of ν_k that is free.
+  int first(int k) const noexcept { return k == 0 && lambda_0_fixed_ ? sizes_.n_lambda : 0; }
+  bool factor_inputs(int k, const Eigen::MatrixXd& H) noexcept;
+  void eliminate_inputs(int k, const Eigen::MatrixXd& H) noexcept;
+
+  Sizes sizes_;
+  int n_nu_;
+  int ld_x_, ld_nu_;  // padded
+  Horizon lcs_{nullptr, 0};
+  bool lambda_0_fixed_ = false;
+  double largest_gain_ = 0.0;
+  std::vector<System> systems_;
+  std::vector<Stage> stages_;
+  std::vector<double> P_, PA_, AP_, PB_, BP_, R_;
+  std::vector<double> p_, p_next_, x_, x_next_, nu_;
+};
+
+}  // namespace c3rt::c3
