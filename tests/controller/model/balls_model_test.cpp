@@ -206,6 +206,35 @@ TEST_CASE("balls model: one ball moves like the full model whose table does not 
   CHECK(pushed > 10);
 }
 
+TEST_CASE("balls model: thrown together, balls and end effector do not pass through each other") {
+  support::Random random(45);
+  const double dt = 0.02;
+  int touching = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    // three balls in a heap, gaps up to 2 mm, the end effector at one of them
+    const model::BallsModelParameters p = parameters(3, 0.8);
+    const model::BallsLayout layout{3};
+    VectorXd x = 0.3 * random.vector(layout.n_x());
+    const double side = 0.068 + random.uniform(0.001, 0.003);
+    x.segment<2>(layout.p_WB(0)) << 0.0, 0.0;
+    x.segment<2>(layout.p_WB(1)) << side, 0.0;
+    x.segment<2>(layout.p_WB(2)) << 0.5 * side, 0.9 * side;
+    const Vector3d direction =
+        Vector3d(-1.0, random.uniform(), random.uniform(0.0, 1.0)).normalized();
+    x.head<3>() = Vector3d(0.0, 0.0, kTable + p.balls[0].radius) +
+                  (kTip + p.balls[0].radius + random.uniform(0.0, 0.002)) * direction;
+    const model::ContactSystem system = all_contacts(p, x);
+    const VectorXd u = kHover + random.vector(3);
+    for (const lcs::Lcs& lcs : {model::stewart_trinkle(system, dt), model::anitescu(system, dt)}) {
+      const lcs::Simulation next = one_step(lcs, x, u);
+      const VectorXd gaps = system.phi + system.J_n * (next.x.col(1) - x).head(layout.n_v());
+      CHECK(gaps.minCoeff() > -1e-9);
+      touching += next.lambda.maxCoeff() > 1e-3 ? 1 : 0;
+    }
+  }
+  CHECK(touching > 20);
+}
+
 TEST_CASE("balls model: a pair or a state that cannot be is refused by name") {
   const model::BallsModelParameters p = parameters(2, 1.0);
   const VectorXd x = VectorXd::Zero(14);
