@@ -14,6 +14,7 @@
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "cli/service.hpp"
+#include "cli/solve.hpp"
 #include "idl/process.hpp"
 
 namespace {
@@ -30,6 +31,7 @@ constexpr const char* kExamples =
     "  c3rt run circle_slow --set planner.c3.admm_iterations=2\n"
     "  c3rt up circle_fast; c3rt status; c3rt target hold; c3rt down\n"
     "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
+    "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
     "  c3rt fault push-ball --impulse 0.005 0 0\n"
     "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 usage or configuration "
     "error,\n"
@@ -117,6 +119,7 @@ class CommandLine {
     add_faults();
     add_targets();
     add_tools();
+    add_library();
   }
 
   int run(int argc, char** argv) {
@@ -264,6 +267,13 @@ class CommandLine {
     }
   }
 
+  void add_library() {
+    CLI::App* solve = command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
+                              [this] { return cli::solve(problem_, out_); });
+    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")->required();
+    solve->add_option("--out", out_, "Result file; default: standard output");
+  }
+
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
   LaunchOptions launch_, up_, serve_;
@@ -277,6 +287,7 @@ class CommandLine {
   std::vector<double> position_m_{0.55, 0.0};
   double radius_m_ = 0.1;
   double lead_deg_ = 20.0;
+  std::string problem_, out_;
 };
 
 }  // namespace

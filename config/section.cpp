@@ -1,6 +1,7 @@
 #include "config/section.hpp"
 
 #include <cmath>
+#include <limits>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -160,6 +161,26 @@ std::string Section::text(const std::string& key) {
 
 Eigen::VectorXd Section::numbers(const std::string& key, int size, Range allowed) {
   return numbers(key, size, size, allowed);
+}
+
+Eigen::VectorXd Section::limits(const std::string& key, int size) {
+  const YAML::Node child = require(*node_, key);
+  const std::string expected = "a list of " + std::to_string(size) + " numbers, .inf or -.inf";
+  if (!child.IsSequence() || static_cast<int>(child.size()) != size)
+    fail(key, expected, content(child));
+  Eigen::VectorXd values(size);
+  for (std::size_t i = 0; i < child.size(); ++i) {
+    double& value = values[static_cast<Eigen::Index>(i)];
+    const std::string text = child[i].IsScalar() ? child[i].Scalar() : "";
+    if (text == ".inf") {
+      value = std::numeric_limits<double>::infinity();
+    } else if (text == "-.inf") {
+      value = -std::numeric_limits<double>::infinity();
+    } else if (!to_number(child[i], value)) {
+      fail(key, expected, content(child[i]) + " at place " + std::to_string(i + 1));
+    }
+  }
+  return values;
 }
 
 Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_size,

@@ -34,6 +34,8 @@ class Section {
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int min_size, int max_size, Range allowed);
+  /// A list of exactly `size` numbers where .inf and -.inf stand for no limit.
+  Eigen::VectorXd limits(const std::string& key, int size);
   /// One of the named choices; the error lists them.
   template <typename E>
   E choice(const std::string& key, std::initializer_list<std::pair<const char*, E>> choices) {

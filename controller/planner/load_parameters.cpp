@@ -1,5 +1,7 @@
 #include "controller/planner/load_parameters.hpp"
 
+#include "controller/c3/load_settings.hpp"
+
 namespace c3rt::planner {
 namespace {
 
@@ -30,26 +32,6 @@ PhaseWeights load_weights(config::Section section) {
   return weights;
 }
 
-c3::Settings load_c3(config::Section section) {
-  c3::Settings settings{};
-  settings.admm_iterations = section.integer("admm_iterations", {1, 50});
-  settings.rho = section.number("rho", {1e-9, 1e9});
-  settings.rho_scale = section.number("rho_scale", {1, 100});
-  settings.qp = section.choice<c3::QpBackend>(
-      "qp", {{"direct", c3::QpBackend::kDirect}, {"osqp", c3::QpBackend::kOsqp}});
-  settings.projection = section.choice<c3::ProjectionKind>(
-      "projection", {{"miqp", c3::ProjectionKind::kMiqp}, {"lcp", c3::ProjectionKind::kLcp}});
-  settings.max_nodes = section.integer("max_nodes", {1, 1e6});
-  config::Section osqp = section.section("osqp");
-  settings.osqp.max_iterations = osqp.integer("max_iterations", {1, 1e6});
-  settings.osqp.eps = osqp.number("eps", {1e-12, 1});
-  settings.osqp.rho = osqp.number("rho", {1e-9, 1e9});
-  settings.osqp.adaptive_rho_interval = osqp.integer("adaptive_rho_interval", {0, 1e6});
-  settings.osqp.polish = osqp.boolean("polish");
-  settings.delta_starts_at_x0 = true;  // FIGURES 4.8: step 2 of Algorithm 3
-  return settings;
-}
-
 }  // namespace
 
 Parameters load_parameters(config::Section section, const CircleTask& circle) {
@@ -78,7 +60,8 @@ Parameters load_parameters(config::Section section, const CircleTask& circle) {
   parameters.model.friction_end_effector = model.number("friction_end_effector", {0, 10});
   parameters.model.friction_table = model.number("friction_table", {0, 10});
 
-  parameters.c3 = load_c3(section.section("c3"));
+  parameters.c3 = c3::load_settings(section.section("c3"));
+  parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
 
   config::Section weights = section.section("weights");
   parameters.roll = load_weights(weights.section("roll"));

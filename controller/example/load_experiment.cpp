@@ -1,0 +1,171 @@
+#include "controller/example/load_experiment.hpp"
+
+#include <string>
+
+#include "controller/c3/load_settings.hpp"
+#include "controller/lcs/riccati.hpp"
+
+namespace c3rt::example {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr config::Range kWeight{0.0, 1e12};
+constexpr config::Range kState{-1e6, 1e6};
+
+enum class Kind { kCartPole, kFingerGaiting, kPivoting };
+
+model::CartPoleParameters load_cart_pole(config::Section section) {
+  model::CartPoleParameters p{};
+  p.cart_mass = section.number("cart_mass_kg", {1e-3, 1e3});
+  p.pole_mass = section.number("pole_mass_kg", {1e-3, 1e3});
+  p.pole_length = section.number("pole_length_m", {1e-2, 1e2});
+  p.center_length = section.number("center_length_m", {1e-2, 1e2});
+  p.wall_stiffness = section.number("wall_stiffness_n_per_m", {1e-3, 1e9});
+  p.wall_distance = section.number("wall_distance_m", {0, 1e2});
+  p.gravity = section.number("gravity_m_per_s2", {0, 100});
+  return p;
+}
+
+model::FingerGaitingParameters load_finger_gaiting(config::Section section) {
+  model::FingerGaitingParameters p{};
+  p.friction = section.number("friction", {0, 100});
+  p.gravity = section.number("gravity_m_per_s2", {0, 100});
+  return p;
+}
+
+model::PivotingParameters load_pivoting(config::Section section) {
+  model::PivotingParameters p{};
+  p.friction_1 = section.number("friction_1", {0, 100});
+  p.friction_2 = section.number("friction_2", {0, 100});
+  p.friction_3 = section.number("friction_3", {0, 100});
+  p.half_size = section.number("half_size_m", {1e-2, 1e2});
+  p.gravity = section.number("gravity_m_per_s2", {0, 100});
+  p.equations = section.choice<model::PivotingEquations>(
+      "equations", {{"corrected", model::PivotingEquations::kCorrected},
+                    {"as_published", model::PivotingEquations::kAsPublished}});
+  return p;
+}
+
+Model load_model(Kind kind, config::Section section) {
+  switch (kind) {
+    case Kind::kCartPole:
+      return load_cart_pole(section);
+    case Kind::kFingerGaiting:
+      return load_finger_gaiting(section);
+    case Kind::kPivoting:
+      break;
+  }
+  return load_pivoting(section);
+}
+
+MatrixXd diagonal(config::Section& section, const std::string& key, int size) {
+  return section.numbers(key, size, kWeight).asDiagonal();
+}
+
+/// {x: …, lambda: …, u: …} on the diagonal of a z.
+MatrixXd load_z_weight(config::Section section, const c3::Sizes& s) {
+  VectorXd weight(s.n_z());
+  weight << VectorXd::Constant(s.n_x, section.number("x", kWeight)),
+      VectorXd::Constant(s.n_lambda, section.number("lambda", kWeight)),
+      VectorXd::Constant(s.n_u, section.number("u", kWeight));
+  return weight.asDiagonal();
+}
+
+void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
+  c3::Costs& costs = e.costs;
+  costs.Q = diagonal(section, "Q", s.n_x);
+  costs.R = diagonal(section, "R", s.n_u);
+  const bool riccati = section.choice<bool>("Q_N", {{"riccati", true}, {"Q", false}});
+  if (riccati) {
+    const lcs::Lcs lcs = planning_system(e, e.x0);
+    costs.Q_N = lcs::riccati(lcs.A, lcs.B, costs.Q[0], costs.R[0]);
+  } else {
+    costs.Q_N = costs.Q[0];
+  }
+  costs.G = load_z_weight(section.section("G"), s);
+  costs.U = load_z_weight(section.section("U"), s);
+  config::Section convex = section.section("convex");
+  costs.convex.Q_x = convex.number("Q_x", {1e-12, 1e12}) * MatrixXd::Identity(s.n_x, s.n_x);
+  costs.convex.Q_u = convex.number("Q_u", {1e-12, 1e12}) * MatrixXd::Identity(s.n_u, s.n_u);
+  costs.convex.alpha = convex.number("alpha", {0, 1});
+  costs.convex.epsilon = convex.number("epsilon", {0, 1e6});
+  config::Section plus = section.section("plus");
+  for (const auto& [key, weight] :
+       {std::pair{"g_lambda", &costs.plus.g_lambda}, std::pair{"g_eta", &costs.plus.g_eta},
+        std::pair{"u_lambda", &costs.plus.u_lambda}, std::pair{"u_eta", &costs.plus.u_eta}}) {
+    *weight = VectorXd::Constant(s.n_lambda, plus.number(key, {1e-12, 1e12}));
+  }
+}
+
+Experiment load(config::Section root, Kind kind) {
+  Experiment e{};
+  e.model = load_model(kind, root.section("model"));
+  config::Section plant = root.section("plant");
+  // one model for both unless the plant is given its own
+  e.plant = plant.has("model") ? load_model(kind, plant.section("model")) : e.model;
+  e.mujoco_plant = plant.choice<bool>("kind", {{"lcs", false}, {"mujoco", true}});
+  if (e.mujoco_plant && kind != Kind::kCartPole) {
+    plant.fail("kind", "lcs: only the cart-pole has a MuJoCo plant", "\"mujoco\"");
+  }
+  e.simulation_step = plant.number("step_s", {1e-5, 1});
+  e.noise = plant.number("noise_sigma", {0, 100});
+  config::Section disturbance = plant.section("disturbance");
+  e.disturbance = {disturbance.number("start_s", {0, 1e6}),
+                   disturbance.number("duration_s", {0, 1e6}), disturbance.number("min", kState),
+                   disturbance.number("max", kState)};
+
+  config::Section control = root.section("control");
+  e.N = control.integer("horizon", {1, 1000});
+  e.planning_step = control.number("planning_step_s", {1e-4, 10});
+  e.control_period = control.number("period_s", {1e-4, 10});
+  e.duration = control.number("duration_s", {1e-3, 1e5});
+
+  const int n_x = kind == Kind::kCartPole        ? model::CartPoleLayout::n_x
+                  : kind == Kind::kFingerGaiting ? model::FingerGaitingLayout::n_x
+                                                 : model::PivotingLayout::n_x;
+  config::Section start = root.section("start");
+  e.x0 = start.numbers("x0", n_x, kState);
+  e.x0_spread_min = start.numbers("spread_min", n_x, kState);
+  e.x0_spread_max = start.numbers("spread_max", n_x, kState);
+  e.trials = start.integer("trials", {1, 100000});
+  config::Section goal = root.section("goal");
+  e.x_desired = goal.numbers("x_desired", n_x, kState);
+  e.success_min = goal.limits("success_min", n_x);
+  e.success_max = goal.limits("success_max", n_x);
+
+  config::Section c3 = root.section("c3");
+  e.c3 = c3::load_settings(c3);
+  e.c3.delta_starts_at_x0 = c3.boolean("delta_starts_at_x0");
+  e.c3.fix_lambda_0 = c3.boolean("fix_lambda_0");
+  e.start = c3.choice<StartPolicy>("start", {{"fresh", StartPolicy::kFresh},
+                                             {"carried_forces", StartPolicy::kCarriedForces},
+                                             {"shifted", StartPolicy::kShifted}});
+  e.start_reset_period = c3.number("start_reset_period_s", {0, 1e6});
+
+  const c3::Sizes s = sizes(e);
+  load_weights(root.section("weights"), s, e);
+  config::Section constraints = root.section("constraints");
+  e.constraints.x_min = constraints.limits("x_min", s.n_x);
+  e.constraints.x_max = constraints.limits("x_max", s.n_x);
+  e.constraints.u_min = constraints.limits("u_min", s.n_u);
+  e.constraints.u_max = constraints.limits("u_max", s.n_u);
+  try {
+    check(e.costs, s, e.c3.projection);
+    check(e.constraints, s);
+  } catch (const std::invalid_argument& error) {
+    root.fail("weights", "weights and constraints that C3 can use", error.what());
+  }
+  return e;
+}
+
+}  // namespace
+
+Experiment load_experiment(config::Section root) {
+  return load(root, root.choice<Kind>("example", {{"cart_pole", Kind::kCartPole},
+                                                  {"finger_gaiting", Kind::kFingerGaiting},
+                                                  {"pivoting", Kind::kPivoting}}));
+}
+
+}  // namespace c3rt::example
