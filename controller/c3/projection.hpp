@@ -55,7 +55,7 @@ std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes);
 
 /// ρ of the first turn of the nested ADMM, beside U, its factor per turn and how many turns at most.
 struct AdmmProjectionSettings {
-  double rho = 1.0, rho_scale = 1.0;
+  double rho = 10.0, rho_scale = 1.0;
   int iterations = 10;
 };
 
