@@ -29,7 +29,25 @@ PhaseWeights load_weights(config::Section section) {
   weights.U_x = U.number("x", kPositiveWeight);
   weights.U_lambda = U.number("lambda", kPositiveWeight);
   weights.U_u = U.number("u", kPositiveWeight);
+  config::Section convex = section.section("convex");
+  weights.convex_alpha = convex.number("alpha", {0, 1});
+  weights.convex_epsilon = convex.number("epsilon", {0, 1});
+  config::Section plus = section.section("plus");
+  weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
+  weights.plus_g_eta = plus.number("g_eta", kPositiveWeight);
+  weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
+  weights.plus_u_eta = plus.number("u_eta", kPositiveWeight);
   return weights;
+}
+
+/// {end_effector_ball: true, ball_table: true}: the contact pairs of the planning model.
+std::vector<model::BallContact> load_contacts(config::Section& model) {
+  config::Section pairs = model.section("contacts");
+  std::vector<model::BallContact> contacts;
+  if (pairs.boolean("end_effector_ball")) contacts.push_back(model::BallContact::kEndEffector);
+  if (pairs.boolean("ball_table")) contacts.push_back(model::BallContact::kTable);
+  if (contacts.empty()) model.fail("contacts", "at least one pair that is true", "none");
+  return contacts;
 }
 
 }  // namespace
@@ -59,6 +77,10 @@ Parameters load_parameters(config::Section section, const CircleTask& circle) {
   parameters.model.table_height = model.number("table_height_m", {-2, 2});
   parameters.model.friction_end_effector = model.number("friction_end_effector", {0, 10});
   parameters.model.friction_table = model.number("friction_table", {0, 10});
+  parameters.contact_model = model.choice<ContactModel>(
+      "contact_model",
+      {{"stewart_trinkle", ContactModel::kStewartTrinkle}, {"anitescu", ContactModel::kAnitescu}});
+  parameters.contacts = load_contacts(model);
 
   parameters.c3 = c3::load_settings(section.section("c3"));
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3

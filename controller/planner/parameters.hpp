@@ -1,6 +1,8 @@
 #pragma once
 // Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in
 // load_parameters.cpp.
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "controller/c3/solver.hpp"
@@ -17,6 +19,14 @@ struct PhaseWeights {
   double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential, G_table_normal,
       G_table_tangential;
   double U_x, U_lambda, U_u;
+  // projections that need more; the convex one weighs x and u by U_x and U_u
+  double convex_alpha, convex_epsilon;
+  double plus_g_lambda, plus_g_eta, plus_u_lambda, plus_u_eta;
+};
+
+enum class ContactModel {
+  kStewartTrinkle,
+  kAnitescu,  // F positive semidefinite, as the convex projection needs it; λ are impulses
 };
 
 /// The time-based heuristic of Figure 10: where the end effector is drawn to, never when it
@@ -62,6 +72,8 @@ struct Parameters {
   int N;
   double dt;  // planning step Δt [s]
   model::BallModelParameters model;
+  ContactModel contact_model;                // of L_Δt; the step over Δt_c is Stewart and Trinkle's
+  std::vector<model::BallContact> contacts;  // that L_Δt has; the step over Δt_c has them all
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;

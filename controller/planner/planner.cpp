@@ -15,8 +15,35 @@ namespace {
 using L = model::BallLayout;
 constexpr std::size_t kPeriodsAveraged = 10;
 
-c3::Costs costs_of(const PhaseWeights& weights) {
-  constexpr int n_z = L::n_x + L::n_lambda + L::n_u;
+bool is_stewart_trinkle(const Parameters& parameters) {
+  return parameters.contact_model == ContactModel::kStewartTrinkle;
+}
+
+/// λ of the planning system: γ, normal force and edges of each contact, or edges alone.
+int n_lambda_of(const Parameters& parameters) {
+  const int n_c = static_cast<int>(parameters.contacts.size());
+  return n_c * (is_stewart_trinkle(parameters) ? 2 + L::n_e : L::n_e);
+}
+
+/// What the consensus term weighs λ with, in the order of the planning system.
+Eigen::VectorXd G_of_lambda(const Parameters& parameters, const PhaseWeights& weights) {
+  const int n_c = static_cast<int>(parameters.contacts.size());
+  const bool has_gamma = is_stewart_trinkle(parameters);
+  Eigen::VectorXd G(n_lambda_of(parameters));
+  if (has_gamma) G.head(n_c).setConstant(weights.G_gamma);
+  for (int i = 0; i < n_c; ++i) {
+    const bool arm =
+        parameters.contacts[static_cast<std::size_t>(i)] == model::BallContact::kEndEffector;
+    if (has_gamma) G[n_c + i] = arm ? weights.G_end_effector_normal : weights.G_table_normal;
+    G.segment<L::n_e>((has_gamma ? 2 * n_c : 0) + i * L::n_e)
+        .setConstant(arm ? weights.G_end_effector_tangential : weights.G_table_tangential);
+  }
+  return G;
+}
+
+c3::Costs costs_of(const Parameters& parameters, const PhaseWeights& weights) {
+  const int n_lambda = n_lambda_of(parameters);
+  const int n_z = L::n_x + n_lambda + L::n_u;
   Eigen::VectorXd Q = Eigen::VectorXd::Zero(L::n_x);
   Q.segment<3>(L::p_WE).setConstant(weights.Q_end_effector);
   Q.segment<2>(L::p_WB).setConstant(weights.Q_ball_xy);
@@ -27,17 +54,12 @@ c3::Costs costs_of(const PhaseWeights& weights) {
 
   Eigen::VectorXd G(n_z);
   G.head(L::n_x).setConstant(weights.G_x);
-  auto G_lambda = G.segment(L::n_x, L::n_lambda);
-  G_lambda.segment<L::n_c>(L::gamma).setConstant(weights.G_gamma);
-  G_lambda[L::normal_end_effector] = weights.G_end_effector_normal;
-  G_lambda[L::normal_table] = weights.G_table_normal;
-  G_lambda.segment<L::n_e>(L::tangent_end_effector).setConstant(weights.G_end_effector_tangential);
-  G_lambda.segment<L::n_e>(L::tangent_table).setConstant(weights.G_table_tangential);
+  G.segment(L::n_x, n_lambda) = G_of_lambda(parameters, weights);
   G.tail(L::n_u).setConstant(weights.G_u);
 
   Eigen::VectorXd U(n_z);
   U.head(L::n_x).setConstant(weights.U_x);
-  U.segment(L::n_x, L::n_lambda).setConstant(weights.U_lambda);
+  U.segment(L::n_x, n_lambda).setConstant(weights.U_lambda);
   U.tail(L::n_u).setConstant(weights.U_u);
 
   c3::Costs costs;
@@ -46,6 +68,15 @@ c3::Costs costs_of(const PhaseWeights& weights) {
   costs.R = weights.R * Eigen::MatrixXd::Identity(L::n_u, L::n_u);
   costs.G = G.asDiagonal();
   costs.U = U.asDiagonal();
+  costs.convex = {weights.U_x * Eigen::MatrixXd::Identity(L::n_x, L::n_x),
+                  weights.U_u * Eigen::MatrixXd::Identity(L::n_u, L::n_u), weights.convex_alpha,
+                  weights.convex_epsilon};
+  for (const auto& [target, value] : {std::pair{&costs.plus.g_lambda, weights.plus_g_lambda},
+                                      std::pair{&costs.plus.g_eta, weights.plus_g_eta},
+                                      std::pair{&costs.plus.u_lambda, weights.plus_u_lambda},
+                                      std::pair{&costs.plus.u_eta, weights.plus_u_eta}}) {
+    *target = Eigen::VectorXd::Constant(n_lambda, value);
+  }
   return costs;
 }
 
@@ -77,10 +108,10 @@ Mode next(Mode mode, const Situation& situation) {
 
 struct Planner::Workspace {
   explicit Workspace(const Parameters& parameters)
-      : solver({L::n_x, L::n_lambda, L::n_u, parameters.N}, parameters.c3),
+      : solver({L::n_x, n_lambda_of(parameters), L::n_u, parameters.N}, parameters.c3),
         lemke(L::n_lambda),
-        roll(costs_of(parameters.roll)),
-        back(costs_of(parameters.back)),
+        roll(costs_of(parameters, parameters.roll)),
+        back(costs_of(parameters, parameters.back)),
         x_desired(L::n_x, parameters.N + 1),
         x_next(L::n_x),
         lambda(L::n_lambda) {
@@ -108,7 +139,7 @@ Planner::Planner(const Parameters& parameters)
     : parameters_(parameters), workspace_(std::make_unique<Workspace>(parameters)) {
   plan_.lambda_d = Eigen::VectorXd::Zero(L::n_lambda);
   plan_.x = Eigen::MatrixXd::Zero(L::n_x, parameters.N);
-  plan_.lambda = Eigen::MatrixXd::Zero(L::n_lambda, parameters.N);
+  plan_.lambda = Eigen::MatrixXd::Zero(n_lambda_of(parameters), parameters.N);
   plan_.u = Eigen::MatrixXd::Zero(L::n_u, parameters.N);
   plan_.ball_target.setZero();
   hold(Eigen::Vector3d::Zero());
@@ -241,9 +272,12 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   model::BallState state{input.p_WE, input.q_WB, p_WB, input.v_WE, input.omega_WB, input.v_WB};
   if (parameters_.separate_overlap)
     model::separate(parameters_.model, Eigen::Vector3d(e.x(), e.y(), 0.0), state);
-  const model::ContactSystem system = model::ball_contact_system(parameters_.model, state);
+  const model::ContactSystem system =
+      model::ball_contact_system(parameters_.model, state, parameters_.contacts);
   const model::BallStateVector x_hat = model::to_vector(state);
-  lcs::Lcs planning = model::stewart_trinkle(system, parameters_.dt);
+  lcs::Lcs planning = is_stewart_trinkle(parameters_)
+                          ? model::stewart_trinkle(system, parameters_.dt)
+                          : model::anitescu(system, parameters_.dt);
   const double scale = lcs::force_scale(planning);
   lcs::scale_forces(planning, scale);
 
@@ -286,7 +320,8 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
 
   // step 5: (x_d, λ_d) = L_Δt_c(x̂, u_C3)
   const Eigen::Vector3d u_0 = solution.u_0();
-  const lcs::Lcs stepping = model::stewart_trinkle(system, delta_t_c);
+  const lcs::Lcs stepping =
+      model::stewart_trinkle(model::ball_contact_system(parameters_.model, state), delta_t_c);
   if (!lcs::step(stepping, x_hat, u_0, work.lemke, work.x_next, work.lambda).ok()) {
     plan_.status = PlanStatus::kFallback;
     ++counters_.lcp_failures;
@@ -310,8 +345,11 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   plan_.lambda_d = work.lambda;
   plan_.u_c3 = u_0;
   plan_.x = solution.z.topRows(L::n_x);
-  plan_.lambda = scale * solution.z.middleRows(L::n_x, L::n_lambda);
-  plan_.u = solution.z.bottomRows(L::n_u);
+  // Anitescu's λ are impulses
+  const double to_newton = is_stewart_trinkle(parameters_) ? scale : scale / parameters_.dt;
+  const Eigen::Index n_lambda = plan_.lambda.rows();
+  plan_.lambda = to_newton * solution.z.middleRows(L::n_x, n_lambda);
+  plan_.u = solution.z.middleRows(L::n_x + n_lambda, L::n_u);
   plan_.admm_iterations = solution.iterations;
   plan_.primal_residual = solution.primal_residual;
   plan_.complementarity_violation = solution.complementarity_violation;

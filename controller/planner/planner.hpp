@@ -49,9 +49,9 @@ struct Plan {
   Eigen::Vector3d ball_target;  // x_d^b
   double delta_t_c;             // [s]
   Eigen::Vector3d u_c3;         // [N]
-  Eigen::VectorXd lambda_d;     // (n_lambda) unscaled [N]
+  Eigen::VectorXd lambda_d;     // of the step over Δt_c (BallLayout::n_lambda) [N]
   Eigen::MatrixXd x;            // (n_x × N) predicted
-  Eigen::MatrixXd lambda;       // (n_lambda × N) unscaled [N]
+  Eigen::MatrixXd lambda;       // of the planning system (n_lambda × N) [N]
   Eigen::MatrixXd u;            // (n_u × N) [N]
   int admm_iterations;
   Eigen::VectorXd primal_residual;  // (admm_iterations)

@@ -175,7 +175,7 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
   fill(out.ball_target_m, plan.ball_target);
   out.delta_t_c_s = plan.delta_t_c;
   out.n_x = L::n_x;
-  out.n_lambda = L::n_lambda;
+  out.n_lambda = static_cast<int>(plan.lambda.rows());
   out.n_u = L::n_u;
   out.N = parameters.N;
   fill(out.u_c3, plan.u_c3);

@@ -189,6 +189,31 @@ TEST_CASE("planner: the plan for the next instant respects the contact") {
   }
 }
 
+TEST_CASE(
+    "planner: every projection, contact model and choice of contacts plans towards the ball") {
+  struct Choice {
+    std::vector<std::string> overrides;
+    int n_lambda;
+  };
+  for (const Choice& choice :
+       {Choice{{"planner.c3.projection=lcp"}, 12}, Choice{{"planner.c3.projection=admm"}, 12},
+        Choice{{"planner.c3.projection=plus"}, 12},
+        Choice{{"planner.c3.projection=convex", "planner.model.contact_model=anitescu"}, 8},
+        Choice{{"planner.model.contact_model=anitescu"}, 8},
+        Choice{{"planner.model.contacts.ball_table=false"}, 6}}) {
+    Follower follower(parameters(choice.overrides));
+    CAPTURE(choice.overrides.front());
+    REQUIRE(follower.until(Mode::kReturn, 2000));
+    for (int i = 0; i < 50; ++i) {
+      const Plan& plan = follower.step();
+      REQUIRE(finite(plan));
+      CHECK(plan.status == PlanStatus::kOk);
+      CHECK(plan.lambda.rows() == choice.n_lambda);
+      CHECK(plan.lambda_d.size() == model::BallLayout::n_lambda);
+    }
+  }
+}
+
 TEST_CASE("planner: a deadline that strikes gives a truncated plan, not none") {
   Follower follower(parameters());
   REQUIRE(follower.until(Mode::kRoll, 2000));
