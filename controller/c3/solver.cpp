@@ -383,8 +383,6 @@ void Solver::reset() noexcept {
 const Solution& Solver::fail(Failure failure) noexcept {
   solution_.status = SolveStatus::kFailed;
   solution_.failure = failure;
-  solution_.z.setZero();
-  solution_.x_N.setZero();
   return solution_;
 }
 

@@ -42,7 +42,7 @@ void check(const Settings& settings);
 enum class SolveStatus {
   kOk,
   kTruncated,  // the deadline struck, or a projection hit its bound of nodes: less than Algorithm 1
-  kFailed,     // see Solution::failure; z, x_N are zero
+  kFailed,     // see Solution::failure; z, x_N are of the last complete QP, zero if there is none
 };
 
 enum class Failure {
