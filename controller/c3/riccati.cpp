@@ -12,6 +12,8 @@ using Eigen::VectorXd;
 constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where Cholesky breaks down
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
+constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
+
 /// y += S v for columns [first, last) of S, v starting with column `first`.
 void add_product(kernels::Columns S, int first, int last, const double* v, double* y) noexcept {
   for (int j = first; j < last; ++j) {
@@ -184,6 +186,30 @@ Riccati::Reduced Riccati::reduce(const MatrixXd& gradient, const VectorXd& gradi
     p_.swap(p_next_);
   }
   return reduced;
+}
+
+double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept {
+  const int n_x = sizes_.n_x;
+  std::fill(p_.begin(), p_.end(), 0.0);
+  if (k == sizes_.N) std::copy_n(a.data(), n_x, p_.data());
+  double sum = 0.0;
+  int stages = 0;
+  for (int j = std::min(k, sizes_.N - 1); j >= 0; --j) {
+    const Stage& stage = stages_[j];
+    const int begin = first(j), n = n_nu_ - begin;
+    std::fill(nu_.begin(), nu_.end(), 0.0);
+    if (j == k) std::copy_n(a.data() + n_x + begin, n, nu_.data());
+    add_transposed_product(system(j).B_hat.columns(), begin, n_nu_, p_.data(), nu_.data());
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    for (int i = 0; i < n; ++i) sum += nu_[i] * nu_[i];
+    if (j == 0 || (sum > 0.0 && ++stages >= kComplianceStages)) break;
+    std::fill(p_next_.begin(), p_next_.end(), 0.0);
+    if (j == k) std::copy_n(a.data(), n_x, p_next_.data());
+    add_transposed_product(system(j).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), p_next_.data());
+    p_.swap(p_next_);
+  }
+  return sum;
 }
 
 void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, MatrixXd& step_z,

@@ -46,6 +46,11 @@ class Riccati {
   };
   Reduced reduce(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N) noexcept;
 
+  /// How far aᵀ z_k (k < N) or aᵀ x_N moves for a unit multiplier: aᵀ H⁻¹ a of the whole problem,
+  /// or at least the part of it that the inputs of the last few stages up to k bring. RT.
+  /// @param a  (n_z), or (n_x) with k = N
+  double compliance(int k, const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
+
   /// The change of z and x_N that minimises the model with this gradient. RT.
   void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
             Eigen::MatrixXd& step_z, Eigen::VectorXd& step_N) noexcept;

@@ -2,123 +2,26 @@
 
 #include <limits>
 #include <stdexcept>
-#include <vector>
 
-#include <Eigen/LU>
 #include <catch2/catch.hpp>
 
-#include "tests/support/random.hpp"
-#include "tests/support/rolling_ball.hpp"
+#include "tests/controller/c3/qp_problem.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 using namespace c3rt;
 using namespace c3rt::c3;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
+using namespace qp_problem;
 
 namespace {
 
-struct Problem {
-  Sizes sizes;
-  std::vector<lcs::Lcs> lcs;  // one per stage
-  Costs costs;
-  double rho;
-  VectorXd x0;
-  MatrixXd x_desired, r;
-};
-
-struct Answer {
-  MatrixXd z;
-  VectorXd x_N;
-};
-
-/// The whole KKT system, dense, in long double.
-Answer reference(const Problem& p) {
-  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-  const int n_x = p.sizes.n_x, n_z = p.sizes.n_z(), N = p.sizes.N;
-  const int n = N * n_z + n_x, m = (N + 1) * n_x;
-  Matrix kkt = Matrix::Zero(n + m, n + m);
-  Vector right = Vector::Zero(n + m);
-  for (int k = 0; k < N; ++k) {
-    MatrixXd stage = p.rho * p.costs.G[k];
-    stage.topLeftCorner(n_x, n_x) += p.costs.Q[k];
-    stage.bottomRightCorner(p.sizes.n_u, p.sizes.n_u) += p.costs.R[k];
-    kkt.block(k * n_z, k * n_z, n_z, n_z) = stage.cast<long double>();
-    right.segment(k * n_z, n_z) = (p.rho * p.costs.G[k] * p.r.col(k)).cast<long double>();
-    right.segment(k * n_z, n_x) += (p.costs.Q[k] * p.x_desired.col(k)).cast<long double>();
-    MatrixXd step(n_x, n_z);
-    step << p.lcs[k].A, p.lcs[k].D, p.lcs[k].B;
-    kkt.block(n + (k + 1) * n_x, k * n_z, n_x, n_z) = step.cast<long double>();
-    right.segment(n + (k + 1) * n_x, n_x) = -p.lcs[k].d.cast<long double>();
-  }
-  kkt.block(N * n_z, N * n_z, n_x, n_x) = p.costs.Q_N.cast<long double>();
-  right.segment(N * n_z, n_x) = (p.costs.Q_N * p.x_desired.col(N)).cast<long double>();
-  for (int k = 0; k <= N; ++k) {  // −x_k of the rows above; row 0: −x_0 = −x0
-    kkt.block(n + k * n_x, k * n_z, n_x, n_x) -= Matrix::Identity(n_x, n_x);
-  }
-  right.segment(n, n_x) = -p.x0.cast<long double>();
-  kkt.topRightCorner(n, m) = kkt.bottomLeftCorner(m, n).transpose();
-  const VectorXd solution = kkt.partialPivLu().solve(right).cast<double>();
-  Answer answer{MatrixXd(n_z, N), solution.segment(N * n_z, n_x)};
-  for (int k = 0; k < N; ++k) answer.z.col(k) = solution.segment(k * n_z, n_z);
-  return answer;
-}
-
-Problem ball(rolling_ball::Phase phase, double rho, double gap) {
-  support::Random random(21);
-  const VectorXd x = rolling_ball::state(gap);
-  const lcs::Lcs lcs = rolling_ball::lcs(x);
-  const Sizes sizes = rolling_ball::sizes();
-  Problem p{sizes, std::vector<lcs::Lcs>(sizes.N, lcs), rolling_ball::costs(phase), rho, x,
-            rolling_ball::x_desired(x), MatrixXd::Zero(sizes.n_z(), sizes.N)};
-  p.r = random.matrix(sizes.n_z(), sizes.N);
-  p.r.middleRows(sizes.n_x, sizes.n_lambda) *= 1000.0;  // scaled forces are of this size
-  return p;
-}
-
-Problem random_problem(unsigned seed) {
-  support::Random random(seed);
-  const Sizes s{1 + random.index(6), 1 + random.index(6), 1 + random.index(3), 1 + random.index(8)};
-  Problem p{s, {}, {}, 0.3, random.vector(s.n_x), random.matrix(s.n_x, s.N + 1),
-            random.matrix(s.n_z(), s.N)};
-  for (int k = 0; k < s.N; ++k) {
-    p.lcs.push_back({random.matrix(s.n_x, s.n_x), random.matrix(s.n_x, s.n_u),
-                     random.matrix(s.n_x, s.n_lambda), random.vector(s.n_x),
-                     random.matrix(s.n_lambda, s.n_x), random.matrix(s.n_lambda, s.n_lambda),
-                     random.matrix(s.n_lambda, s.n_u), random.vector(s.n_lambda)});
-  }
-  const auto definite = [&](int n) {
-    const MatrixXd half = random.matrix(n, n);
-    return MatrixXd(half * half.transpose() + 0.1 * MatrixXd::Identity(n, n));
-  };
-  p.costs = {definite(s.n_x), definite(s.n_x), definite(s.n_u), definite(s.n_z()),
-             definite(s.n_z())};
-  return p;
-}
-
-Answer solve(QpStep& qp, const Problem& p, const Constraints& bounds = {}) {
-  qp.set_costs(p.costs, bounds);
-  qp.start({p.lcs.data(), 1}, {p.costs.G.data(), 0}, nullptr);
-  Answer answer{MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
-  const QpReport report = qp.solve(p.rho, p.x0, p.x_desired, p.costs.G[0] * p.r, answer.z, answer.x_N);
-  CAPTURE(report.iterations, report.residual);
-  CHECK(report.status == QpStatus::kSolved);
-  return answer;
-}
-
-/// Largest error beside the largest entry of each kind: states, forces and inputs differ in size.
-double error(const Problem& p, const Answer& got, const Answer& expected) {
-  const auto relative = [](const MatrixXd& a, const MatrixXd& b) {
-    return (a - b).cwiseAbs().maxCoeff() / std::max(1e-3, b.cwiseAbs().maxCoeff());
-  };
-  const int n_x = p.sizes.n_x, n_lambda = p.sizes.n_lambda, n_u = p.sizes.n_u;
-  return std::max({relative(got.z.topRows(n_x), expected.z.topRows(n_x)),
-                   relative(got.z.middleRows(n_x, n_lambda), expected.z.middleRows(n_x, n_lambda)),
-                   relative(got.z.bottomRows(n_u), expected.z.bottomRows(n_u)),
-                   relative(got.x_N, expected.x_N)});
-}
-
 const OsqpSettings kPrecise{50000, 1e-9, 0.1, 50, true};
+
+Problem with_fixed_lambda_0(unsigned seed) {
+  Problem p = random_problem(seed);
+  p.fixes_lambda_0 = true;
+  p.lambda_0 = support::Random(seed + 500).vector(p.sizes.n_lambda);
+  return p;
+}
 
 }  // namespace
 
@@ -126,7 +29,7 @@ TEST_CASE("direct QP: on random time-varying problems it is the dense KKT system
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Problem p = random_problem(seed);
     CAPTURE(seed, p.sizes.n_x, p.sizes.n_lambda, p.sizes.n_u, p.sizes.N);
-    const Answer expected = reference(p);
+    const Reference expected = reference(p);
     CHECK(error(p, solve(*make_direct_qp(p.sizes), p), expected) < 1e-10);
   }
 }
@@ -135,9 +38,52 @@ TEST_CASE("OSQP: on random time-varying problems it is the dense KKT system's so
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Problem p = random_problem(seed);
     CAPTURE(seed, p.sizes.n_x, p.sizes.n_lambda, p.sizes.n_u, p.sizes.N);
-    const Answer expected = reference(p);
+    const Reference expected = reference(p);
     CHECK(error(p, solve(*make_osqp_qp(p.sizes, kPrecise), p), expected) < 1e-6);
   }
+}
+
+TEST_CASE("direct QP, OSQP: a fixed lambda_0 stays where it is and the rest is optimal") {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const Problem p = with_fixed_lambda_0(seed);
+    CAPTURE(seed, p.sizes.n_x, p.sizes.n_lambda, p.sizes.n_u, p.sizes.N);
+    const Reference expected = reference(p);
+    const Answer direct = solve(*make_direct_qp(p.sizes), p);
+    CHECK(p.sizes.lambda(direct.z.col(0)) == p.lambda_0);
+    CHECK(error(p, direct, expected) < 1e-10);
+    CHECK(error(p, solve(*make_osqp_qp(p.sizes, kPrecise), p), expected) < 1e-6);
+  }
+}
+
+TEST_CASE("OSQP: a fixed lambda_0 is not bounded") {
+  Problem p = with_fixed_lambda_0(5);
+  p.lambda_0.setConstant(-3.0);
+  p.constraints.lambda_min = VectorXd::Zero(p.sizes.n_lambda);
+  const Answer answer = solve(*make_osqp_qp(p.sizes, kPrecise), p);
+  REQUIRE(answer.report.status == QpStatus::kSolved);
+  REQUIRE((p.sizes.lambda(answer.z.col(0)) - p.lambda_0).cwiseAbs().maxCoeff() < 1e-6);
+  REQUIRE(answer.z.rightCols(p.sizes.N - 1).middleRows(p.sizes.n_x, p.sizes.n_lambda).minCoeff() >
+          -1e-6);
+}
+
+TEST_CASE("OSQP: bounds of the last state and rows hold, and those of x alone not at k = 0") {
+  Problem p = random_problem(8);
+  const Answer free = solve(*make_osqp_qp(p.sizes, kPrecise), p);
+  MatrixXd C = MatrixXd::Zero(2, p.sizes.n_z());
+  C(0, 0) = 1.0;  // a state alone: x_0 may be beyond it
+  C(1, 0) = C(1, p.sizes.n_z() - 1) = 1.0;
+  p.constraints.C = C;
+  p.constraints.C_min = Eigen::Vector2d(p.x0[0] + 0.5, -kNone);
+  p.constraints.C_max = Eigen::Vector2d(kNone, 0.8 * (C.row(1) * free.z).minCoeff() - 0.1);
+  p.constraints.x_N_max = free.x_N.array() - 0.1;
+  const Answer answer = solve(*make_osqp_qp(p.sizes, kPrecise), p);
+  const Reference expected = reference(p, &answer);
+  CAPTURE(expected.active);
+  REQUIRE(answer.report.status == QpStatus::kSolved);
+  REQUIRE((C.row(1) * answer.z).maxCoeff() < p.constraints.C_max[0][1] + 1e-6);
+  REQUIRE(expected.active > 2);
+  REQUIRE(error(p, answer, expected) < 1e-6);
+  REQUIRE(expected.wrong < 1e-6);
 }
 
 TEST_CASE("direct QP: the ball's problem, weights from 1e-7 to 1e9, is solved to 1e-6") {
@@ -177,10 +123,10 @@ TEST_CASE("OSQP: another problem in between leaves no trace in the bits") {
   Answer answers[3];
   for (int i = 0; i < 3; ++i) {
     const Problem& problem = i == 1 ? other : p;
-    qp->start({problem.lcs.data(), 1}, {problem.costs.G.data(), 0}, nullptr);
-    answers[i] = {MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
+    qp->start({problem.lcs.data(), 1}, {problem.W.data(), 1}, nullptr);
+    answers[i] = {{}, MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
     for (const double rho : {0.3, 0.9}) {
-      (void)qp->solve(rho, problem.x0, problem.x_desired, problem.costs.G[0] * problem.r, answers[i].z, answers[i].x_N);
+      (void)qp->solve(rho, problem.x0, problem.x_desired, problem.g, answers[i].z, answers[i].x_N);
     }
   }
   REQUIRE(answers[0].z == answers[2].z);
@@ -191,11 +137,11 @@ TEST_CASE("OSQP: another problem in between leaves no trace in the bits") {
 TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
   Problem p = random_problem(8);
   const Answer free = solve(*make_osqp_qp(p.sizes, kPrecise), p);
-  Constraints bounds;
   const double limit = 0.5 * free.z.bottomRows(p.sizes.n_u).cwiseAbs().maxCoeff();
-  bounds.u_min = VectorXd::Constant(p.sizes.n_u, -limit);
-  bounds.u_max = VectorXd::Constant(p.sizes.n_u, limit);
-  const Answer bounded = solve(*make_osqp_qp(p.sizes, kPrecise), p, bounds);
+  p.constraints.u_min = VectorXd::Constant(p.sizes.n_u, -limit);
+  p.constraints.u_max = VectorXd::Constant(p.sizes.n_u, limit);
+  const Answer bounded = solve(*make_osqp_qp(p.sizes, kPrecise), p);
+  REQUIRE(bounded.report.status == QpStatus::kSolved);
   const MatrixXd u = bounded.z.bottomRows(p.sizes.n_u);
   REQUIRE(u.cwiseAbs().maxCoeff() <= limit * (1.0 + 1e-6));
   REQUIRE(u.cwiseAbs().maxCoeff() >= limit * (1.0 - 1e-6));
@@ -207,8 +153,9 @@ TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
     for (int k = 0; k < p.sizes.N; ++k) {
       z = z_of_inputs.col(k);
       p.sizes.x(z) = x;
-      const VectorXd e = x - p.x_desired.col(k), g = z - p.r.col(k), u_k = p.sizes.u(z);
-      sum += e.dot(p.costs.Q[k] * e) + u_k.dot(p.costs.R[k] * u_k) + p.rho * g.dot(p.costs.G[k] * g);
+      const VectorXd e = x - p.x_desired.col(k), u_k = p.sizes.u(z);
+      sum += e.dot(p.costs.Q[k] * e) + u_k.dot(p.costs.R[k] * u_k);
+      sum += p.rho * (z.dot(p.W[k] * z) - 2.0 * p.g.col(k).dot(z));
       x = p.lcs[k].A * x + p.lcs[k].B * u_k + p.lcs[k].D * p.sizes.lambda(z) + p.lcs[k].d;
     }
     const VectorXd e = x - p.x_desired.col(p.sizes.N);
@@ -224,6 +171,26 @@ TEST_CASE("OSQP: an active bound holds and every free direction is optimal") {
   }
 }
 
+TEST_CASE("direct QP: start and solve do not allocate") {
+  REQUIRE(support::AllocationCounter::counts());
+  for (const unsigned seed : {5u, 11u}) {
+    for (const bool fixed : {false, true}) {
+      const Problem p = fixed ? with_fixed_lambda_0(seed) : random_problem(seed);
+      const auto qp = make_direct_qp(p.sizes);
+      qp->set_costs(p.costs, {});
+      Answer answer{{}, MatrixXd(p.sizes.n_z(), p.sizes.N), VectorXd(p.sizes.n_x)};
+      const support::AllocationCounter counter;
+      qp->start({p.lcs.data(), 1}, {p.W.data(), 1}, fixed ? &p.lambda_0 : nullptr);
+      for (const double rho : {0.3, 0.9}) {
+        answer.report = qp->solve(rho, p.x0, p.x_desired, p.g, answer.z, answer.x_N);
+      }
+      const auto calls = counter.count();
+      CHECK(answer.report.status == QpStatus::kSolved);
+      CHECK(calls == 0);
+    }
+  }
+}
+
 TEST_CASE("direct QP: bounds are refused, infinite ones are none") {
   const Problem p = random_problem(1);
   const auto qp = make_direct_qp(p.sizes);
@@ -235,9 +202,9 @@ TEST_CASE("direct QP: bounds are refused, infinite ones are none") {
 }
 
 TEST_CASE("OSQP: bounds that contradict the dynamics are infeasible, not an answer") {
-  const Problem p = random_problem(3);
+  Problem p = random_problem(3);
   REQUIRE(p.sizes.N > 1);
-  Constraints bounds;
+  Constraints& bounds = p.constraints;
   bounds.x_min = VectorXd::Constant(p.sizes.n_x, 1e4);
   bounds.x_max = VectorXd::Constant(p.sizes.n_x, 2e4);
   bounds.u_min = VectorXd::Constant(p.sizes.n_u, -1.0);
@@ -245,9 +212,5 @@ TEST_CASE("OSQP: bounds that contradict the dynamics are infeasible, not an answ
   bounds.lambda_min = VectorXd::Constant(p.sizes.n_lambda, -1.0);
   bounds.lambda_max = -bounds.lambda_min[0];
   const auto qp = make_osqp_qp(p.sizes, {20000, 1e-6, 0.1, 50, false});
-  qp->set_costs(p.costs, bounds);
-  qp->start({p.lcs.data(), 1}, {p.costs.G.data(), 0}, nullptr);
-  MatrixXd z(p.sizes.n_z(), p.sizes.N);
-  VectorXd x_N(p.sizes.n_x);
-  REQUIRE(qp->solve(p.rho, p.x0, p.x_desired, p.r, z, x_N).status == QpStatus::kInfeasible);
+  REQUIRE(solve(*qp, p).report.status == QpStatus::kInfeasible);
 }

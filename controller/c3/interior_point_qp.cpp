@@ -1,0 +1,365 @@
+#include "controller/c3/interior_point_qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace c3rt::c3 {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+constexpr int kMaxIterations = 60;
+constexpr int kGuesses = 6;            // before the interior point iterations
+constexpr int kPolishes = 3;           // after them
+constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
+constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
+constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
+constexpr double kTolerance = 1e-10;   // of bounds and of signs of multipliers
+constexpr double kAcceptable = 1e-7;   // residual; worse: not solved
+constexpr double kToBoundary = 0.995;  // share of the way to the boundary
+constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
+constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, to prove infeasible
+constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
+constexpr double kGaps[] = {1e-7, 1e-11, 1e-14};  // complementarity where a guess is tried
+
+/// How far a value may be beyond its bound.
+double slack(double value) { return kTolerance * std::max(std::abs(value), 1e-3); }
+
+}  // namespace
+
+InteriorPointQp::InteriorPointQp(const Sizes& sizes)
+    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes) {
+  z_kept_.setZero(sizes.n_z(), sizes.N);
+  x_N_kept_.setZero(sizes.n_x);
+}
+
+void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constraints) {
+  direct_->set_costs(costs, {});
+  model_.set_costs(costs, constraints);
+  const QpRows& rows = model_.rows();
+  sides_.clear();
+  held_.assign(rows.all(), Held::kNo);
+  for (int i = 0; i < rows.all(); ++i) {
+    const QpRows::Row& row = rows[i];
+    if (row.lower == row.upper) continue;
+    if (row.lower > -kNone) sides_.push_back({i, 1.0, row.lower});
+    if (row.upper < kNone) sides_.push_back({i, -1.0, row.upper});
+  }
+  for (VectorXd* v : {&compliance_, &weight_, &multiplier_, &extra_, &multiplier_kept_}) {
+    v->setZero(rows.all());
+  }
+  for (VectorXd* v : {&s_, &y_, &ds_, &dy_, &ds_affine_, &dy_affine_}) {
+    v->setZero(static_cast<Eigen::Index>(sides_.size()));
+  }
+}
+
+void InteriorPointQp::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
+  direct_->start(lcs, W, lambda_0);
+  model_.start(lcs, W, lambda_0);
+  n_sides_ = 0;
+  for (const Side& side : sides_) n_sides_ += side.row < model_.rows().count() ? 1 : 0;
+  release();
+}
+
+QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0,
+                                const Eigen::Ref<const MatrixXd>& x_desired,
+                                const Eigen::Ref<const MatrixXd>& g, Eigen::Ref<MatrixXd> z,
+                                Eigen::Ref<VectorXd> x_N) noexcept {
+  if (model_.rows().count() == 0) return direct_->solve(rho, x0, x_desired, g, z, x_N);
+  model_.aim(rho, x0, x_desired, g);
+  weight_.setZero();
+  iterations_ = 0;
+  if (!model_.factor(weight_)) {
+    return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+  }
+  model_.measure(compliance_);
+  QpStatus status = QpStatus::kSolved;
+  if (!settle(kGuesses)) status = iterate();
+  z = model_.z();
+  x_N = model_.x_N();
+  const double worst = residual();
+  if (status == QpStatus::kSolved && !(worst <= kAcceptable)) status = QpStatus::kIterationLimit;
+  if (!z.allFinite() || !x_N.allFinite()) status = QpStatus::kNotFactorable;
+  if (status != QpStatus::kSolved) release();
+  return {status, iterations_, worst};
+}
+
+void InteriorPointQp::release() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    const QpRows::Row& row = model_.rows()[i];
+    held_[i] = row.lower == row.upper ? Held::kEquality : Held::kNo;
+  }
+  multiplier_.setZero();
+}
+
+double InteriorPointQp::target(int row) const noexcept {
+  return held_[row] == Held::kUpper ? model_.rows()[row].upper : model_.rows()[row].lower;
+}
+
+/// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
+/// row to its bound, and what pull is left becomes its multiplier [method of multipliers], until no
+/// pull is left.
+bool InteriorPointQp::hold() noexcept {
+  const int n = model_.rows().count();
+  for (int i = 0; i < n; ++i) {
+    weight_[i] = held_[i] == Held::kNo ? 0.0 : kStiffness / compliance_[i];
+    if (held_[i] == Held::kNo) multiplier_[i] = 0.0;
+  }
+  ++iterations_;
+  if (!model_.factor(weight_)) return false;
+  double change = 0.0;
+  for (int round = 0; round < kMaxCorrections; ++round) {
+    stationarity_ = model_.differentiate(multiplier_);
+    for (int i = 0; i < n; ++i) {
+      extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - target(i));
+    }
+    model_.newton(extra_);
+    // by the step, not by the point it leads to, whose rounding the spring would magnify
+    for (int i = 0; i < n; ++i) multiplier_[i] -= extra_[i] + weight_[i] * model_.change()[i];
+    model_.move(1.0);
+    const double previous = change;
+    change = model_.relative_step();
+    if (!std::isfinite(change)) return false;
+    if (round > 0 && (change * change <= kConverged * previous || change > 0.5 * previous)) break;
+  }
+  if (!(change <= kSettled)) return false;
+  // rows that contradict each other end in a compromise
+  for (int i = 0; i < n; ++i) {
+    if (held_[i] == Held::kNo) continue;
+    const double off = std::abs(model_.value()[i] - target(i));
+    if (off > slack(model_.value()[i])) return false;
+  }
+  return true;
+}
+
+/// Holds, lets go of rows whose multiplier pulls the wrong way, holds rows that are violated, and
+/// so on [primal-dual active set]. True once nothing is to be changed.
+bool InteriorPointQp::settle(int attempts) noexcept {
+  for (int i = 0; i < attempts; ++i) {
+    if (!hold()) return false;
+    if (!correct_guess()) return true;
+  }
+  return false;
+}
+
+bool InteriorPointQp::correct_guess() noexcept {
+  const int n = model_.rows().count();
+  double pull = 0.0;
+  for (int i = 0; i < n; ++i) {
+    pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
+  }
+  bool corrected = false;
+  for (int i = 0; i < n; ++i) {
+    if (held_[i] == Held::kEquality) continue;
+    const double tolerance = kTolerance * pull / std::sqrt(compliance_[i]);
+    if ((held_[i] == Held::kLower && multiplier_[i] < -tolerance) ||
+        (held_[i] == Held::kUpper && multiplier_[i] > tolerance)) {
+      held_[i] = Held::kNo;
+      corrected = true;
+    } else if (held_[i] == Held::kNo) {
+      const QpRows::Row& row = model_.rows()[i];
+      const double value = model_.value()[i];
+      if (value < row.lower - slack(value)) {
+        held_[i] = Held::kLower;
+        corrected = true;
+      } else if (value > row.upper + slack(value)) {
+        held_[i] = Held::kUpper;
+        corrected = true;
+      }
+    }
+  }
+  return corrected;
+}
+
+/// Mehrotra's predictor-corrector from the point where only equalities are held.
+QpStatus InteriorPointQp::iterate() noexcept {
+  release();
+  if (!hold()) {
+    collect_multipliers();
+  }
+  start_sides();
+  std::size_t next_gap = 0;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    double gap = 0.0, off = 0.0;
+    for (int j = 0; j < n_sides_; ++j) {
+      const Side& side = sides_[j];
+      gap = std::max(gap, s_[j] * y_[j]);
+      off = std::max(off, std::abs(side.sign * (model_.value()[side.row] - side.bound) - s_[j]) /
+                              std::sqrt(compliance_[side.row]));
+    }
+    collect_multipliers();
+    stationarity_ = model_.differentiate(multiplier_);
+    const double unit = violation_ * violation_;
+    const bool near = off <= 1e-8 * violation_ && stationarity_ <= 1e-8;
+    if (near && gap <= kGaps[next_gap] * unit) {
+      z_kept_ = model_.z();
+      x_N_kept_ = model_.x_N();
+      multiplier_kept_ = multiplier_;
+      enter();
+      if (settle(kPolishes)) return QpStatus::kSolved;
+      model_.go_to(z_kept_, x_N_kept_);
+      multiplier_ = multiplier_kept_;
+      stationarity_ = model_.differentiate(multiplier_);
+      if (++next_gap == std::size(kGaps)) return QpStatus::kSolved;
+    }
+    if (off > 1e-8 * violation_ && is_infeasible()) return QpStatus::kInfeasible;
+    ++iterations_;
+    if (!newton_step()) return QpStatus::kNotFactorable;
+  }
+  collect_multipliers();
+  stationarity_ = model_.differentiate(multiplier_);
+  return QpStatus::kIterationLimit;
+}
+
+/// Guess from the iterate: a row is active where its multiplier is larger than its slack.
+void InteriorPointQp::enter() noexcept {
+  for (Held& held : held_) held = held == Held::kEquality ? held : Held::kNo;
+  for (int j = 0; j < n_sides_; ++j) {
+    if (y_[j] * compliance_[sides_[j].row] <= s_[j]) continue;
+    held_[sides_[j].row] = sides_[j].sign > 0.0 ? Held::kLower : Held::kUpper;
+  }
+}
+
+/// In units of √cost a slack is s/√compliance and a multiplier y √compliance; the largest violation
+/// in these units says how large both should be.
+void InteriorPointQp::start_sides() noexcept {
+  violation_ = 0.0;
+  const auto distance = [this](const Side& side) {
+    return side.sign * (model_.value()[side.row] - side.bound);
+  };
+  for (int j = 0; j < n_sides_; ++j) {
+    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    violation_ = std::max(violation_, -distance(sides_[j]) / unit);
+  }
+  if (violation_ == 0.0) violation_ = 1.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    s_[j] = std::max(std::abs(distance(sides_[j])), violation_ * unit);
+    y_[j] = violation_ * violation_ / s_[j];
+  }
+}
+
+void InteriorPointQp::collect_multipliers() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    if (held_[i] != Held::kEquality) multiplier_[i] = 0.0;
+  }
+  for (int j = 0; j < n_sides_; ++j) multiplier_[sides_[j].row] += sides_[j].sign * y_[j];
+}
+
+/// One predictor and corrector from the gradient kept in the model.
+bool InteriorPointQp::newton_step() noexcept {
+  const int n = model_.rows().count();
+  for (int i = 0; i < n; ++i) {
+    weight_[i] = held_[i] == Held::kEquality ? kStiffness / compliance_[i] : 0.0;
+  }
+  double mu = 0.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    weight_[sides_[j].row] += y_[j] / s_[j];
+    mu += s_[j] * y_[j];
+  }
+  mu /= std::max(n_sides_, 1);
+  if (!model_.factor(weight_)) return false;
+
+  const auto solve_for = [&](double centre, bool corrected) {
+    for (int i = 0; i < n; ++i) {
+      extra_[i] = held_[i] == Held::kEquality ? weight_[i] * (model_.value()[i] - target(i)) : 0.0;
+    }
+    const auto complementarity = [&](int j) {
+      return s_[j] * y_[j] - centre + (corrected ? ds_affine_[j] * dy_affine_[j] : 0.0);
+    };
+    const auto off = [&](int j) {
+      const Side& side = sides_[j];
+      return side.sign * (model_.value()[side.row] - side.bound) - s_[j];
+    };
+    for (int j = 0; j < n_sides_; ++j) {
+      extra_[sides_[j].row] += sides_[j].sign * (complementarity(j) + y_[j] * off(j)) / s_[j];
+    }
+    model_.newton(extra_);
+    for (int j = 0; j < n_sides_; ++j) {
+      ds_[j] = sides_[j].sign * model_.change()[sides_[j].row] + off(j);
+      dy_[j] = -(complementarity(j) + y_[j] * ds_[j]) / s_[j];
+    }
+  };
+  const auto longest = [&](double share) {
+    double alpha = 1.0;
+    for (int j = 0; j < n_sides_; ++j) {
+      if (ds_[j] < 0.0) alpha = std::min(alpha, -share * s_[j] / ds_[j]);
+      if (dy_[j] < 0.0) alpha = std::min(alpha, -share * y_[j] / dy_[j]);
+    }
+    return alpha;
+  };
+  solve_for(0.0, false);
+  const double alpha_affine = longest(1.0);
+  double mu_affine = 0.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    mu_affine += (s_[j] + alpha_affine * ds_[j]) * (y_[j] + alpha_affine * dy_[j]);
+  }
+  mu_affine /= std::max(n_sides_, 1);
+  ds_affine_ = ds_;
+  dy_affine_ = dy_;
+  const double ratio = mu_affine / mu;
+  solve_for(ratio * ratio * ratio * mu, true);
+
+  const double alpha = longest(kToBoundary);
+  for (int i = 0; i < n; ++i) {
+    if (held_[i] != Held::kEquality) continue;
+    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - target(i) + model_.change()[i]);
+  }
+  model_.move(alpha);
+  for (int j = 0; j < n_sides_; ++j) {
+    s_[j] += alpha * ds_[j];
+    y_[j] += alpha * dy_[j];
+  }
+  return true;
+}
+
+/// Multipliers whose pull on every input cancels while the rows they belong to are violated prove
+/// that nothing satisfies these rows [Farkas].
+bool InteriorPointQp::is_infeasible() noexcept {
+  double violated = 0.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    const Side& side = sides_[j];
+    violated -= y_[j] * side.sign * (model_.value()[side.row] - side.bound);
+  }
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    if (held_[i] == Held::kEquality) violated -= multiplier_[i] * (model_.value()[i] - target(i));
+  }
+  if (!(violated > 0.0)) return false;
+  const Riccati::Reduced reduced = model_.pull(multiplier_);
+  // a row that moves no free input has a multiplier, but no pull
+  const double scale = std::max(reduced.scale, multiplier_.cwiseAbs().maxCoeff());
+  if (!(reduced.largest <= kCancelled * scale)) return false;
+  const int n_nu = sizes_.n_lambda + sizes_.n_u;
+  const double size = std::max(1.0, model_.z().bottomRows(n_nu).cwiseAbs().maxCoeff());
+  return reduced.largest * kFar * size * n_nu * sizes_.N < violated;
+}
+
+/// The largest of the three optimality conditions, each beside its terms.
+double InteriorPointQp::residual() noexcept {
+  double worst = model_.differentiate(multiplier_);
+  double pull = 0.0;
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
+  }
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    const QpRows::Row& row = model_.rows()[i];
+    const double value = model_.value()[i];
+    const double outside = std::max({0.0, row.lower - value, value - row.upper});
+    worst = std::max(worst, outside / std::max(1.0, std::abs(value)));
+    if (multiplier_[i] == 0.0 || row.lower == row.upper) continue;
+    const double inside = multiplier_[i] > 0.0 ? value - row.lower : row.upper - value;
+    const double lost = std::abs(multiplier_[i]) * std::max(0.0, inside);
+    worst =
+        std::max(worst, lost / std::max(pull * pull, std::abs(multiplier_[i]) * std::abs(value)));
+  }
+  return worst;
+}
+
+std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes) {
+  return std::make_unique<InteriorPointQp>(sizes);
+}
+
+}  // namespace c3rt::c3

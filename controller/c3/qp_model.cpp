@@ -1,0 +1,134 @@
+#include "controller/c3/qp_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace c3rt::c3 {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+QpModel::QpModel(const Sizes& sizes)
+    : sizes_(sizes),
+      cost_(sizes),
+      riccati_(sizes),
+      rows_(sizes),
+      H_(sizes.N, MatrixXd(sizes.n_z(), sizes.n_z())),
+      H_N_(sizes.n_x, sizes.n_x) {
+  for (MatrixXd* m : {&z_, &gradient_, &total_, &step_}) m->setZero(sizes.n_z(), sizes.N);
+  for (VectorXd* v : {&x0_, &x_N_, &gradient_N_, &total_N_, &step_N_}) v->setZero(sizes.n_x);
+}
+
+void QpModel::set_costs(const Costs& costs, const Constraints& constraints) {
+  cost_.set_costs(costs);
+  rows_.set(constraints);
+  value_.setZero(rows_.all());
+  change_.setZero(rows_.all());
+}
+
+void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
+  cost_.start(W);
+  riccati_.start(lcs, lambda_0 != nullptr);
+  rows_.fix_lambda_0(lambda_0 != nullptr);
+  lambda_0_ = lambda_0;
+}
+
+void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
+                  const Eigen::Ref<const MatrixXd>& x_desired,
+                  const Eigen::Ref<const MatrixXd>& g) noexcept {
+  if (rho != cost_.rho()) cost_.weigh(rho);
+  cost_.aim(x_desired, g);
+  x0_ = x0;
+  z_.setZero();
+  if (lambda_0_ != nullptr) sizes_.lambda(z_.col(0)) = *lambda_0_;
+  riccati_.roll_out(x0_, z_, x_N_);
+  evaluate();
+}
+
+bool QpModel::factor(const VectorXd& weight) noexcept {
+  for (int k = 0; k < sizes_.N; ++k) H_[k] = cost_.H()[k];
+  H_N_ = cost_.H_N();
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (weight[i] != 0.0) rows_.add_square(i, weight[i], H_, H_N_);
+  }
+  return riccati_.factor({H_.data(), 1}, H_N_);
+}
+
+void QpModel::measure(VectorXd& compliance) noexcept {
+  double largest = 0.0;
+  for (int i = 0; i < rows_.count(); ++i) {
+    const int k = rows_[i].stage;
+    total_.setZero();
+    total_N_.setZero();
+    rows_.add(i, 1.0, total_, total_N_);
+    compliance[i] =
+        k == sizes_.N ? riccati_.compliance(k, total_N_) : riccati_.compliance(k, total_.col(k));
+    largest = std::max(largest, compliance[i]);
+  }
+  // a row that no input moves
+  if (largest == 0.0) largest = 1.0;
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (!(compliance[i] > 0.0)) compliance[i] = largest;
+  }
+}
+
+double QpModel::differentiate(const VectorXd& multiplier) noexcept {
+  const double term = cost_.gradient(z_, x_N_, gradient_, gradient_N_);
+  double largest = riccati_.largest_gain() * term;
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (multiplier[i] == 0.0) continue;
+    rows_.add(i, -multiplier[i], gradient_, gradient_N_);
+    largest = std::max(largest, std::abs(multiplier[i]));
+  }
+  const Riccati::Reduced reduced = riccati_.reduce(gradient_, gradient_N_);
+  return reduced.largest == 0.0 ? 0.0 : reduced.largest / std::max(reduced.scale, largest);
+}
+
+Riccati::Reduced QpModel::pull(const VectorXd& multiplier) noexcept {
+  total_.setZero();
+  total_N_.setZero();
+  for (int i = 0; i < rows_.count(); ++i) rows_.add(i, -multiplier[i], total_, total_N_);
+  return riccati_.reduce(total_, total_N_);
+}
+
+void QpModel::newton(const VectorXd& extra) noexcept {
+  total_ = gradient_;
+  total_N_ = gradient_N_;
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
+  }
+  riccati_.step(total_, total_N_, step_, step_N_);
+  for (int i = 0; i < rows_.count(); ++i) change_[i] = rows_.value(i, step_, step_N_);
+}
+
+void QpModel::move(double alpha) noexcept {
+  const int n_nu = sizes_.n_lambda + sizes_.n_u;
+  z_.bottomRows(n_nu) += alpha * step_.bottomRows(n_nu);
+  riccati_.roll_out(x0_, z_, x_N_);
+  evaluate();
+}
+
+double QpModel::relative_step() const noexcept {
+  double ratio = 0.0;
+  const auto compare = [&](int first, int count) {
+    const double size = z_.middleRows(first, count).cwiseAbs().maxCoeff();
+    const double step = step_.middleRows(first, count).cwiseAbs().maxCoeff();
+    if (step > ratio * size) ratio = step / size;
+  };
+  compare(0, sizes_.n_x);
+  compare(sizes_.n_x, sizes_.n_lambda);
+  compare(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
+  return ratio;
+}
+
+void QpModel::go_to(const MatrixXd& z, const VectorXd& x_N) noexcept {
+  z_ = z;
+  x_N_ = x_N;
+  evaluate();
+}
+
+void QpModel::evaluate() noexcept {
+  for (int i = 0; i < rows_.count(); ++i) value_[i] = rows_.value(i, z_, x_N_);
+}
+
+}  // namespace c3rt::c3

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "controller/c3/problem.hpp"
+#include "controller/c3/qp_cost.hpp"
+#include "controller/c3/qp_rows.hpp"
+#include "controller/c3/riccati.hpp"
+
+namespace c3rt::c3 {
+
+/// The QP step with its rows, at a point that satisfies the dynamics: what methods for constrained
+/// problems have in common. Vectors over rows have `rows().all()` entries, of which the first
+/// `rows().count()` mean something. After `set_costs` nothing allocates.
+class QpModel {
+ public:
+  explicit QpModel(const Sizes& sizes);
+
+  void set_costs(const Costs& costs, const Constraints& constraints);
+  /// As QpStep::start. RT.
+  void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept;
+  /// Takes a new problem and goes to ν = 0. x0 must outlive the calls of everything below. RT.
+  void aim(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
+           const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+           const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
+
+  const QpRows& rows() const noexcept { return rows_; }
+  const Eigen::MatrixXd& z() const noexcept { return z_; }
+  const Eigen::VectorXd& x_N() const noexcept { return x_N_; }
+  /// aᵀ z of every row, and its change by the last `newton`.
+  const Eigen::VectorXd& value() const noexcept { return value_; }
+  const Eigen::VectorXd& change() const noexcept { return change_; }
+
+  /// Factors H + Σ w a aᵀ. RT.
+  [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
+  /// Fills `compliance` of the rows (see Riccati::compliance), never zero. RT.
+  void measure(Eigen::VectorXd& compliance) noexcept;
+  /// The gradient H z − h − Σ m a here: keeps it and returns its largest component in ν beside its
+  /// largest term. RT.
+  double differentiate(const Eigen::VectorXd& multiplier) noexcept;
+  /// The same of −Σ m a alone, nothing kept. RT.
+  Riccati::Reduced pull(const Eigen::VectorXd& multiplier) noexcept;
+  /// The step of the factored model with the gradient kept plus Σ e a. RT.
+  void newton(const Eigen::VectorXd& extra) noexcept;
+  /// Goes α of the step. RT.
+  void move(double alpha) noexcept;
+  /// The last step beside the point: the largest ratio of the largest entries of x, λ and u. RT.
+  double relative_step() const noexcept;
+  /// To a point of before. RT.
+  void go_to(const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) noexcept;
+
+ private:
+  void evaluate() noexcept;
+
+  Sizes sizes_;
+  QpCost cost_;
+  Riccati riccati_;
+  QpRows rows_;
+  const Eigen::VectorXd* lambda_0_ = nullptr;
+  std::vector<Eigen::MatrixXd> H_;
+  Eigen::MatrixXd H_N_;
+  Eigen::MatrixXd z_, gradient_, total_, step_;  // (n_z × N)
+  Eigen::VectorXd x0_, x_N_, gradient_N_, total_N_, step_N_;
+  Eigen::VectorXd value_, change_;  // of the rows
+};
+
+}  // namespace c3rt::c3

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "controller/c3/problem.hpp"
+
+namespace c3rt::c3 {
+
+/// The constraints of the QP step as a list of rows l ≤ aᵀ z_k ≤ u, or of x_N (stage N), each with
+/// a finite side; a has one entry 1, or the largest entry ±1. After `set` nothing allocates.
+class QpRows {
+ public:
+  struct Row {
+    int stage;
+    int coordinate;  // of the entry 1; −1: a is column `normal` of the normals
+    int normal;
+    double lower, upper;
+  };
+
+  explicit QpRows(const Sizes& sizes) : sizes_(sizes) {}
+
+  /// Constraints that passed `check`. May allocate.
+  void set(const Constraints& constraints);
+  /// With a fixed λ_0 its bounds are no rows. RT.
+  void fix_lambda_0(bool fixed) noexcept { count_ = fixed ? first_of_lambda_0_ : all(); }
+
+  int all() const noexcept { return static_cast<int>(rows_.size()); }
+  int count() const noexcept { return count_; }
+  const Row& operator[](int i) const noexcept { return rows_[i]; }
+
+  /// aᵀ z_k, or aᵀ x_N. RT.
+  double value(int i, const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) const noexcept;
+  /// Adds c a to what belongs to stage k or x_N. RT.
+  void add(int i, double c, Eigen::MatrixXd& gradient, Eigen::VectorXd& gradient_N) const noexcept;
+  /// Adds w a aᵀ to the Hessian of stage k, or of x_N. RT.
+  void add_square(int i, double w, std::vector<Eigen::MatrixXd>& H,
+                  Eigen::MatrixXd& H_N) const noexcept;
+
+ private:
+  void add_bounds(int k, int first, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+  void add_general(int k, const Eigen::VectorXd& a, double lower, double upper);
+
+  Sizes sizes_;
+  std::vector<Row> rows_;
+  std::vector<Eigen::VectorXd> normals_;
+  int first_of_lambda_0_ = 0, count_ = 0;
+};
+
+}  // namespace c3rt::c3

@@ -1,0 +1,227 @@
+#include "controller/c3/riccati.hpp"
+
+#include <cmath>
+
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+
+#include "tests/controller/c3/qp_problem.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+using namespace c3rt;
+using namespace c3rt::c3;
+using namespace qp_problem;
+
+namespace {
+
+/// Everything as a function of all ν, dense: z and x_N are Φ ν + what ν = 0 gives.
+struct Dense {
+  MatrixXd Phi, H;  // H of all z and x_N
+
+  explicit Dense(const Problem& p) {
+    const Sizes& s = p.sizes;
+    const int n_x = s.n_x, n_z = s.n_z(), n_nu = s.n_lambda + s.n_u, n = s.N * n_z + n_x;
+    Phi = MatrixXd::Zero(n, s.N * n_nu);
+    H = MatrixXd::Zero(n, n);
+    for (int k = 0; k < s.N; ++k) {
+      Phi.block(k * n_z + n_x, k * n_nu, n_nu, n_nu).setIdentity();
+      MatrixXd step(n_x, n_z);
+      step << p.lcs[k].A, p.lcs[k].D, p.lcs[k].B;
+      Phi.middleRows((k + 1) * n_z, n_x) = step * Phi.middleRows(k * n_z, n_z);
+      H.block(k * n_z, k * n_z, n_z, n_z) = p.W[k];
+      H.block(k * n_z, k * n_z, n_x, n_x) += p.costs.Q[k];
+    }
+    H.bottomRightCorner(n_x, n_x) = p.costs.Q_N;
+    if (p.fixes_lambda_0) Phi.leftCols(s.n_lambda).setZero();
+  }
+  /// (Φᵀ H Φ)⁻¹ over the inputs that move anything.
+  MatrixXd inverse(const Problem& p) const {
+    const int fixed = p.fixes_lambda_0 ? p.sizes.n_lambda : 0;
+    const Eigen::Index free = Phi.cols() - fixed;
+    const MatrixXd reduced = Phi.rightCols(free).transpose() * H * Phi.rightCols(free);
+    return Phi.rightCols(free) * reduced.inverse() * Phi.rightCols(free).transpose();
+  }
+};
+
+std::vector<MatrixXd> hessians(const Problem& p) {
+  std::vector<MatrixXd> H = p.W;
+  for (int k = 0; k < p.sizes.N; ++k) {
+    H[k].topLeftCorner(p.sizes.n_x, p.sizes.n_x) += p.costs.Q[k];
+  }
+  return H;
+}
+
+Problem problem(unsigned seed) {
+  Problem p = random_problem(seed);
+  p.fixes_lambda_0 = seed % 2 == 1;
+  // zeros, which it looks for
+  support::Random random(seed);
+  for (lcs::Lcs& lcs : p.lcs) {
+    for (MatrixXd* m : {&lcs.A, &lcs.B, &lcs.D}) {
+      for (Eigen::Index i = 0; i < m->size(); ++i) {
+        if (random.index(3) == 0) m->data()[i] = 0.0;
+      }
+    }
+  }
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Riccati: a step is the minimiser of the dense model, the reduced gradient its gradient") {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Problem p = problem(seed);
+    const Sizes& s = p.sizes;
+    const Dense dense(p);
+    const std::vector<MatrixXd> H = hessians(p);
+    Riccati riccati(s);
+    riccati.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+    REQUIRE(riccati.factor({H.data(), 1}, p.costs.Q_N));
+    support::Random random(seed + 100);
+    const MatrixXd gradient = random.matrix(s.n_z(), s.N);
+    const VectorXd gradient_N = random.vector(s.n_x);
+    MatrixXd step = MatrixXd::Constant(s.n_z(), s.N, NAN);
+    VectorXd step_N = VectorXd::Constant(s.n_x, NAN);
+    riccati.step(gradient, gradient_N, step, step_N);
+    VectorXd all(s.N * s.n_z() + s.n_x);
+    all << gradient.reshaped(), gradient_N;
+    const VectorXd expected = -dense.inverse(p) * all;
+    VectorXd got(all.size());
+    got << step.reshaped(), step_N;
+    CAPTURE(seed);
+    CHECK((got - expected).cwiseAbs().maxCoeff() < 1e-10 * expected.cwiseAbs().maxCoeff());
+
+    const VectorXd reduced = dense.Phi.transpose() * all;
+    CHECK(riccati.reduce(gradient, gradient_N).largest ==
+          Approx(reduced.cwiseAbs().maxCoeff()).epsilon(1e-12));
+    CHECK(riccati.reduce(gradient, gradient_N).scale >=
+          (1.0 - 1e-12) * 0.5 * reduced.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("Riccati: the roll-out is the system, step by step") {
+  const Problem p = problem(4);
+  Riccati riccati(p.sizes);
+  riccati.start({p.lcs.data(), 1}, false);
+  support::Random random(3);
+  MatrixXd z = random.matrix(p.sizes.n_z(), p.sizes.N);
+  VectorXd x_N(p.sizes.n_x), x = p.x0;
+  riccati.roll_out(p.x0, z, x_N);
+  for (int k = 0; k < p.sizes.N; ++k) {
+    CHECK((p.sizes.x(z.col(k)) - x).cwiseAbs().maxCoeff() < 1e-13);
+    x = p.lcs[k].A * x + p.lcs[k].B * p.sizes.u(z.col(k)) + p.lcs[k].D * p.sizes.lambda(z.col(k)) +
+        p.lcs[k].d;
+  }
+  CHECK((x_N - x).cwiseAbs().maxCoeff() < 1e-13);
+}
+
+TEST_CASE(
+    "Riccati: the compliance is at most the dense one, near it, and exact at the first stages") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Problem p = problem(seed);
+    const Sizes& s = p.sizes;
+    const MatrixXd inverse = Dense(p).inverse(p);
+    const std::vector<MatrixXd> H = hessians(p);
+    Riccati riccati(s);
+    riccati.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+    REQUIRE(riccati.factor({H.data(), 1}, p.costs.Q_N));
+    support::Random random(seed + 100);
+    for (int k = 0; k <= s.N; ++k) {
+      const VectorXd a = random.vector(k < s.N ? s.n_z() : s.n_x);
+      const double exact = a.dot(inverse.block(k * s.n_z(), k * s.n_z(), a.size(), a.size()) * a);
+      const double got = riccati.compliance(k, a);
+      CAPTURE(seed, k, s.N);
+      CHECK(got <= exact * (1.0 + 1e-9));
+      CHECK(got >= 0.01 * exact);
+      if (k <= 1) CHECK(got == Approx(exact).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("Riccati: a problem that is not convex is refused, not solved") {
+  const Problem p = problem(4);
+  std::vector<MatrixXd> H = hessians(p);
+  H[0].diagonal().tail(p.sizes.n_u).setConstant(-1e6);
+  Riccati riccati(p.sizes);
+  riccati.start({p.lcs.data(), 1}, false);
+  REQUIRE_FALSE(riccati.factor({H.data(), 1}, p.costs.Q_N));
+  H[0].setConstant(NAN);
+  REQUIRE_FALSE(riccati.factor({H.data(), 1}, p.costs.Q_N));
+}
+
+TEST_CASE(
+    "kernels: every sum has the bits of the plain loop, so the vectors' width cannot matter") {
+  support::Random random(11);
+  for (int rows = 1; rows <= 30; ++rows) {
+    const int n = 1 + random.index(17), ld = kernels::padded(rows), ld_L = kernels::padded(n);
+    MatrixXd X = random.matrix(ld, n), L = random.matrix(ld_L, n);
+    X.bottomRows(ld - rows).setZero();
+    const VectorXd c = random.vector(n), y = random.vector(ld), inverse = random.vector(n);
+
+    VectorXd plain = y, got = y;
+    for (int j = 0; j < n; ++j) plain.head(rows) -= c[j] * X.col(j).head(rows);
+    kernels::subtract_columns(rows, n, X.data(), c.data(), got.data());
+    CHECK(got.head(rows) == plain.head(rows));
+
+    plain = got = y;
+    for (int j = 0; j < n; ++j) plain.head(rows) += c[j] * X.col(j).head(rows);
+    kernels::add_columns(rows, n, X.data(), ld, c.data(), got.data());
+    CHECK(got == plain);
+
+    MatrixXd plain_Y = X, got_Y = X;
+    for (int j = 0; j < n; ++j) {
+      for (int m = 0; m < j; ++m) plain_Y.col(j) -= L(j, m) * plain_Y.col(m);
+      plain_Y.col(j) *= inverse[j];
+    }
+    kernels::solve_right(rows, n, L.data(), inverse.data(), got_Y.data());
+    CHECK(got_Y == plain_Y);
+
+    MatrixXd square = random.matrix(ld, rows), plain_square = square;
+    for (int j = 0; j < rows; ++j) {
+      for (int m = 0; m < n; ++m) plain_square.col(j) -= X(j, m) * X.col(m);
+    }
+    kernels::subtract_gram(rows, n, X.data(), square.data());
+    for (int j = 0; j < rows; ++j) {
+      CHECK(square.col(j).segment(j, rows - j) == plain_square.col(j).segment(j, rows - j));
+    }
+  }
+}
+
+TEST_CASE("kernels: the Cholesky factor gives the matrix back, a matrix without one gives false") {
+  support::Random random(12);
+  for (int n = 1; n <= 20; ++n) {
+    const int ld = kernels::padded(n);
+    MatrixXd X = MatrixXd::Zero(ld, n), L = X;
+    X.topRows(n) = definite(random, n);
+    VectorXd inverse(n);
+    REQUIRE(kernels::cholesky(n, X.data(), L.data(), inverse.data()));
+    const MatrixXd lower = L.topRows(n).triangularView<Eigen::Lower>();
+    CHECK((lower * lower.transpose() - X.topRows(n)).cwiseAbs().maxCoeff() < 1e-12);
+    CHECK((inverse.cwiseProduct(lower.diagonal()) - VectorXd::Ones(n)).cwiseAbs().maxCoeff() <
+          1e-14);
+    X(n - 1, n - 1) -= 1e3;
+    CHECK_FALSE(kernels::cholesky(n, X.data(), L.data(), inverse.data()));
+  }
+}
+
+TEST_CASE("Riccati: start, factor and step do not allocate") {
+  REQUIRE(support::AllocationCounter::counts());
+  const Problem p = problem(5);
+  const std::vector<MatrixXd> H = hessians(p);
+  Riccati riccati(p.sizes);
+  const MatrixXd gradient = MatrixXd::Ones(p.sizes.n_z(), p.sizes.N);
+  const VectorXd gradient_N = VectorXd::Ones(p.sizes.n_x);
+  MatrixXd step(p.sizes.n_z(), p.sizes.N);
+  VectorXd step_N(p.sizes.n_x);
+  const support::AllocationCounter counter;
+  riccati.start({p.lcs.data(), 1}, true);
+  const bool factored = riccati.factor({H.data(), 1}, p.costs.Q_N);
+  riccati.step(gradient, gradient_N, step, step_N);
+  const double compliance = riccati.compliance(p.sizes.N, gradient_N);
+  riccati.roll_out(p.x0, step, step_N);
+  const auto calls = counter.count();
+  REQUIRE(factored);
+  REQUIRE(compliance > 0.0);
+  REQUIRE(calls == 0);
+}
