@@ -1,14 +1,38 @@
 # What find_package(c3rt) gives: the pure libraries, their headers, and OSQP, which they link. A consumer needs only
 # Eigen. Installed alone by: cmake --install <build> --component library
+include(CheckCXXSourceCompiles)
 include(CMakePackageConfigHelpers)
+
+# What Eigen allocates here may be freed in the consumer's code, so both must agree on how: with AddressSanitizer or for
+# another vector unit Eigen would do it differently. lcs.hpp refuses the latter.
+set(CMAKE_REQUIRED_LIBRARIES Eigen3::Eigen)
+set(eigen_alignment 16)
+foreach(bytes 16 32 64)
+  check_cxx_source_compiles("#include <Eigen/Core>
+    static_assert(EIGEN_DEFAULT_ALIGN_BYTES == ${bytes}, \"\");
+    int main() {}" C3RT_EIGEN_ALIGNMENT_IS_${bytes})
+  if(C3RT_EIGEN_ALIGNMENT_IS_${bytes})
+    set(eigen_alignment ${bytes})
+    break()
+  endif()
+endforeach()
+if(C3RT_SANITIZE)
+  set(CMAKE_REQUIRED_FLAGS -fsanitize=${C3RT_SANITIZE})
+endif()
+check_cxx_source_compiles("#include <Eigen/Core>
+  static_assert(EIGEN_MALLOC_ALREADY_ALIGNED, \"\");
+  int main() {}" C3RT_EIGEN_PLAIN_MALLOC)
+unset(CMAKE_REQUIRED_FLAGS)
+unset(CMAKE_REQUIRED_LIBRARIES)
+set(eigen_plain_malloc $<BOOL:${C3RT_EIGEN_PLAIN_MALLOC}>)
 
 # c3rt_export(ROOM header...): the target c3rt::ROOM of the package and its public headers
 function(c3rt_export room)
   set_target_properties(c3rt_${room} PROPERTIES EXPORT_NAME ${room})
   target_include_directories(c3rt_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(c3rt_${room} INTERFACE cxx_std_17)
-  # what Eigen allocates in a library of 16-byte alignment is freed in the consumer's code, whatever its -march says
-  target_compile_definitions(c3rt_${room} INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=16>)
+  target_compile_definitions(c3rt_${room} INTERFACE
+    $<INSTALL_INTERFACE:C3RT_EIGEN_ALIGNMENT=${eigen_alignment};EIGEN_MALLOC_ALREADY_ALIGNED=${eigen_plain_malloc}>)
   install(TARGETS c3rt_${room} EXPORT c3rtTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/controller/${room}/)
