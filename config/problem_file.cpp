@@ -502,7 +502,14 @@ ProblemFile read(const Json& json, const std::string& name) {
   }
   try {
     check(p.sizes);
-    if (c3) check(p.costs, p.sizes, settings.projection);
+    if (c3) {
+      check(p.costs, p.sizes, settings.projection);
+    } else {  // (15) knows neither G nor U
+      c3::Costs horizon_costs = p.costs;
+      horizon_costs.G = MatrixXd::Identity(p.sizes.n_z(), p.sizes.n_z());
+      horizon_costs.U.resize(0, 0);
+      check(horizon_costs, p.sizes, c3::ProjectionKind::kLcp);
+    }
     check(p.constraints, p.sizes);
     check(p.settings);
   } catch (const std::invalid_argument& error) {
