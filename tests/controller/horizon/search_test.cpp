@@ -1,0 +1,99 @@
+#include "controller/horizon/search.hpp"
+
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "controller/horizon/modes.hpp"
+#include "tests/controller/horizon/golden15.hpp"
+
+using namespace c3rt;
+
+TEST_CASE("the search proves the recorded optima of all examples") {
+  int seen = 0;
+  for (const golden15::Case& c : golden15::load()) {
+    INFO(c.name);
+    ++seen;
+    horizon::SearchSettings settings;
+    settings.relative_gap = 1e-6;
+    const horizon::SearchResult result = horizon::search(c.problem(), settings);
+    REQUIRE(result.plan);
+    CHECK(result.is_proven);
+    CHECK(result.gap <= 1.01e-6);
+    CHECK(result.plan->objective == Approx(c.objective).epsilon(2e-6));
+    CHECK(result.plan->complementarity_violation < 1e-10);
+  }
+  CHECK(seen == 30);
+}
+
+TEST_CASE("the optimum is the best of all modes") {
+  for (const golden15::Case& recorded : golden15::load()) {
+    if (recorded.name.rfind("cartpole", 0) != 0) continue;
+    golden15::Case c = recorded;
+    c.N = 4;
+    INFO(c.name);
+    const horizon::Problem problem = c.problem();
+    const horizon::Condensed condensed = horizon::condense(problem);
+    double best = std::numeric_limits<double>::infinity();
+    for (unsigned mode = 0; mode < (1u << condensed.n_pairs); ++mode) {
+      std::vector<horizon::Side> zero;
+      for (int i = 0; i < condensed.n_pairs; ++i) {
+        zero.push_back((mode >> i) & 1u ? horizon::Side::kGap : horizon::Side::kForce);
+      }
+      const auto plan = horizon::solve_modes(problem, condensed, zero);
+      if (plan) best = std::min(best, plan->objective);
+    }
+    const horizon::SearchResult result = horizon::search(problem, {});
+    REQUIRE(result.plan);
+    CHECK(result.plan->objective >= best * (1.0 - 1e-9));
+    CHECK(result.plan->objective <= best * (1.0 + 1e-4));
+  }
+}
+
+TEST_CASE("a search that is cut short bounds its distance from the optimum") {
+  int cut = 0;
+  for (const golden15::Case& c : golden15::load()) {
+    if (c.name.rfind("finger", 0) != 0) continue;
+    INFO(c.name);
+    for (const long nodes : {10L, 20L, 30L}) {
+      horizon::SearchSettings settings;
+      settings.max_nodes = nodes;
+      const horizon::SearchResult result = horizon::search(c.problem(), settings);
+      CHECK(result.nodes <= nodes);
+      if (result.is_proven || !result.plan) continue;
+      ++cut;
+      CHECK(result.plan->objective * (1.0 - result.gap) <= c.objective * (1.0 + 1e-6));
+      CHECK(result.plan->objective >= c.objective * (1.0 - 1e-9));
+    }
+  }
+  CHECK(cut > 5);
+}
+
+TEST_CASE("a known plan is kept unless a better one is found, and saves nodes") {
+  for (const golden15::Case& c : golden15::load()) {
+    if (c.name != "finger authors_traj_t2.7 N 3") continue;
+    const horizon::Problem problem = c.problem();
+    const horizon::SearchResult first = horizon::search(problem, {});
+    REQUIRE(first.plan);
+    const horizon::SearchResult again = horizon::search(problem, {}, first.plan);
+    REQUIRE(again.plan);
+    CHECK(again.plan->objective <= first.plan->objective);
+    CHECK(again.nodes < first.nodes);
+    horizon::SearchSettings none;
+    none.max_nodes = 0;
+    const horizon::SearchResult kept = horizon::search(problem, none, first.plan);
+    REQUIRE(kept.plan);
+    CHECK(kept.plan->objective == first.plan->objective);
+    CHECK_FALSE(kept.is_proven);
+    return;
+  }
+  FAIL("the recorded problem is missing");
+}
+
+TEST_CASE("a deadline ends the search") {
+  const c3::Deadline now{[](void*) noexcept { return true; }, nullptr};
+  const std::vector<golden15::Case> cases = golden15::load();
+  const horizon::SearchResult result = horizon::search(cases[0].problem(), {}, {}, now);
+  CHECK(result.nodes == 0);
+  CHECK_FALSE(result.is_proven);
+}
