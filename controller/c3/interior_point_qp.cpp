@@ -12,8 +12,7 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kGuesses = 6;            // before the interior point iterations
-constexpr int kPolishes = 3;           // after them
+constexpr int kPatience = 5;           // corrections of a guess without fewer of them than before
 constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
 constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
 constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
@@ -23,7 +22,7 @@ constexpr double kToBoundary = 0.995;  // share of the way to the boundary
 constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
 constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, to prove infeasible
 constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
-constexpr double kGaps[] = {1e-7, 1e-11, 1e-14};  // complementarity where a guess is tried
+constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
 /// How far a value may be beyond its bound.
 double slack(double value) { return kTolerance * std::max(std::abs(value), 1e-3); }
@@ -77,7 +76,7 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
   }
   model_.measure(compliance_);
   QpStatus status = QpStatus::kSolved;
-  if (!settle(kGuesses)) status = iterate();
+  if (!settle()) status = iterate();
   z = model_.z();
   x_N = model_.x_N();
   const double worst = residual();
@@ -137,41 +136,46 @@ bool InteriorPointQp::hold() noexcept {
 
 /// Holds, lets go of rows whose multiplier pulls the wrong way, holds rows that are violated, and
 /// so on [primal-dual active set]. True once nothing is to be changed.
-bool InteriorPointQp::settle(int attempts) noexcept {
-  for (int i = 0; i < attempts; ++i) {
+bool InteriorPointQp::settle() noexcept {
+  int fewest = std::numeric_limits<int>::max();
+  for (int patience = kPatience; patience > 0; --patience) {
     if (!hold()) return false;
-    if (!correct_guess()) return true;
+    const int corrections = correct_guess();
+    if (corrections == 0) return true;
+    if (corrections >= fewest) continue;
+    fewest = corrections;
+    patience = kPatience;
   }
   return false;
 }
 
-bool InteriorPointQp::correct_guess() noexcept {
+int InteriorPointQp::correct_guess() noexcept {
   const int n = model_.rows().count();
   double pull = 0.0;
   for (int i = 0; i < n; ++i) {
     pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
   }
-  bool corrected = false;
+  int corrections = 0;
   for (int i = 0; i < n; ++i) {
     if (held_[i] == Held::kEquality) continue;
     const double tolerance = kTolerance * pull / std::sqrt(compliance_[i]);
     if ((held_[i] == Held::kLower && multiplier_[i] < -tolerance) ||
         (held_[i] == Held::kUpper && multiplier_[i] > tolerance)) {
       held_[i] = Held::kNo;
-      corrected = true;
+      ++corrections;
     } else if (held_[i] == Held::kNo) {
       const QpRows::Row& row = model_.rows()[i];
       const double value = model_.value()[i];
       if (value < row.lower - slack(value)) {
         held_[i] = Held::kLower;
-        corrected = true;
+        ++corrections;
       } else if (value > row.upper + slack(value)) {
         held_[i] = Held::kUpper;
-        corrected = true;
+        ++corrections;
       }
     }
   }
-  return corrected;
+  return corrections;
 }
 
 /// Mehrotra's predictor-corrector from the point where only equalities are held.
@@ -193,13 +197,12 @@ QpStatus InteriorPointQp::iterate() noexcept {
     collect_multipliers();
     stationarity_ = model_.differentiate(multiplier_);
     const double unit = violation_ * violation_;
-    const bool near = off <= 1e-8 * violation_ && stationarity_ <= 1e-8;
-    if (near && gap <= kGaps[next_gap] * unit) {
+    if (off <= kGaps[next_gap] * violation_ && gap <= kGaps[next_gap] * unit) {
       z_kept_ = model_.z();
       x_N_kept_ = model_.x_N();
       multiplier_kept_ = multiplier_;
       enter();
-      if (settle(kPolishes)) return QpStatus::kSolved;
+      if (settle()) return QpStatus::kSolved;
       model_.go_to(z_kept_, x_N_kept_);
       multiplier_ = multiplier_kept_;
       stationarity_ = model_.differentiate(multiplier_);

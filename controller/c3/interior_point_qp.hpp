@@ -38,8 +38,8 @@ class InteriorPointQp final : public QpStep {
   QpStatus iterate() noexcept;
   void release() noexcept;
   bool hold() noexcept;
-  bool settle(int attempts) noexcept;
-  bool correct_guess() noexcept;
+  bool settle() noexcept;
+  int correct_guess() noexcept;
   void enter() noexcept;
   void start_sides() noexcept;
   bool newton_step() noexcept;

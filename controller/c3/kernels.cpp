@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 // Compiled a second time with wider vectors where the processor has them. Without fused
 // multiply-add an element sees the same operations in the same order either way. Sanitizers cannot
@@ -19,6 +18,7 @@ namespace c3rt::c3::kernels {
 namespace {
 
 typedef double Four __attribute__((vector_size(32)));
+typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
 
 constexpr int kMaxFours = 6;  // that many sums fit the registers
 
@@ -27,43 +27,41 @@ template <int kFours, bool kSubtract, bool kIndexed>
 C3RT_INLINE void accumulate_fours(const double* X, int ld, int count, const int* index,
                                   const double* c, int stride, double* y) {
   Four sum[kFours];
-  std::memcpy(sum, y, sizeof sum);
+  for (int i = 0; i < kFours; ++i) sum[i] = *reinterpret_cast<const FourAnywhere*>(y + 4 * i);
   for (int m = 0; m < count; ++m) {
     const double* x = X + static_cast<long>(kIndexed ? index[m] : m) * ld;
     const double factor = kSubtract ? -c[static_cast<long>(m) * stride] : c[m * stride];
     const Four factors = {factor, factor, factor, factor};
     for (int i = 0; i < kFours; ++i) {
-      Four column;
-      std::memcpy(&column, x + 4 * i, sizeof column);
-      sum[i] += factors * column;
+      sum[i] += factors * *reinterpret_cast<const FourAnywhere*>(x + 4 * i);
     }
   }
-  std::memcpy(y, sum, sizeof sum);
+  for (int i = 0; i < kFours; ++i) *reinterpret_cast<FourAnywhere*>(y + 4 * i) = sum[i];
 }
 
-template <bool kSubtract, bool kIndexed>
-C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const int* index,
-                            const double* c, int stride, double* y) {
+template <bool kSubtract>
+C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const double* c,
+                            int stride, double* y) {
   for (int left = rows / 4; left > 0;) {
     const int fours = std::min(left, kMaxFours);
     switch (fours) {
       case 1:
-        accumulate_fours<1, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<1, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
       case 2:
-        accumulate_fours<2, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<2, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
       case 3:
-        accumulate_fours<3, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<3, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
       case 4:
-        accumulate_fours<4, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<4, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
       case 5:
-        accumulate_fours<5, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<5, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
       default:
-        accumulate_fours<6, kSubtract, kIndexed>(X, ld, count, index, c, stride, y);
+        accumulate_fours<6, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
         break;
     }
     X += 4 * fours;
@@ -72,18 +70,47 @@ C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const 
   }
 }
 
+/// Y += X S for 4 kFours of the rows.
+template <int kFours>
+C3RT_INLINE void add_fours(const double* X, int ld, Columns S, int first, int last, double* Y) {
+  for (int j = first; j < last; ++j, Y += ld) {
+    const int begin = S.start[j];
+    accumulate_fours<kFours, false, true>(X, ld, S.start[j + 1] - begin, S.row + begin,
+                                          S.value + begin, 1, Y);
+  }
+}
+
 /// The row from which column j of a symmetric matrix is computed.
 C3RT_INLINE int from_row(int j) { return j / 4 * 4; }
 
 }  // namespace
 
-C3RT_WIDE void add_product(int rows, const double* X, Columns S, int first, int last, bool triangle,
+C3RT_WIDE void add_product(int rows, const double* X, Columns S, int first, int last,
                            double* Y) noexcept {
   const int ld = padded(rows);
-  for (int j = first; j < last; ++j) {
-    const int from = triangle ? from_row(j - first) : 0, begin = S.start[j];
-    accumulate<false, true>(ld - from, X + from, ld, S.start[j + 1] - begin, S.row + begin,
-                            S.value + begin, 1, Y + (j - first) * ld + from);
+  for (int row = 0, left = ld / 4; left > 0; row += 4 * kMaxFours, left -= kMaxFours) {
+    const double* x = X + row;
+    double* y = Y + row;
+    switch (std::min(left, kMaxFours)) {
+      case 1:
+        add_fours<1>(x, ld, S, first, last, y);
+        break;
+      case 2:
+        add_fours<2>(x, ld, S, first, last, y);
+        break;
+      case 3:
+        add_fours<3>(x, ld, S, first, last, y);
+        break;
+      case 4:
+        add_fours<4>(x, ld, S, first, last, y);
+        break;
+      case 5:
+        add_fours<5>(x, ld, S, first, last, y);
+        break;
+      default:
+        add_fours<6>(x, ld, S, first, last, y);
+        break;
+    }
   }
 }
 
@@ -100,7 +127,7 @@ C3RT_WIDE bool cholesky(int n, const double* X, double* L, double* inverse) noex
     const int from = from_row(j);
     double* column = L + j * ld;
     if (X != L) std::copy(X + j * ld + from, X + (j + 1) * ld, column + from);
-    accumulate<true, false>(ld - from, L + from, ld, j, nullptr, L + j, ld, column + from);
+    accumulate<true>(ld - from, L + from, ld, j, L + j, ld, column + from);
     if (!(column[j] > 0.0)) return false;
     const double root = std::sqrt(column[j]);
     inverse[j] = 1.0 / root;
@@ -115,7 +142,7 @@ C3RT_WIDE void solve_right(int rows, int n, const double* L, const double* inver
   const int ld = padded(rows), ld_L = padded(n);
   for (int j = 0; j < n; ++j) {
     double* column = Y + j * ld;
-    accumulate<true, false>(ld, Y, ld, j, nullptr, L + j, ld_L, column);
+    accumulate<true>(ld, Y, ld, j, L + j, ld_L, column);
     for (int i = 0; i < ld; ++i) column[i] *= inverse[j];
   }
 }
@@ -124,14 +151,14 @@ C3RT_WIDE void subtract_gram(int rows, int n, const double* Y, double* X) noexce
   const int ld = padded(rows);
   for (int j = 0; j < rows; ++j) {
     const int from = from_row(j);
-    accumulate<true, false>(ld - from, Y + from, ld, n, nullptr, Y + j, ld, X + j * ld + from);
+    accumulate<true>(ld - from, Y + from, ld, n, Y + j, ld, X + j * ld + from);
   }
 }
 
 C3RT_WIDE void add_columns(int rows, int cols, const double* X, int stride, const double* c,
                            double* y) noexcept {
   const int whole = rows / 4 * 4;
-  accumulate<false, false>(whole, X, stride, cols, nullptr, c, 1, y);
+  accumulate<false>(whole, X, stride, cols, c, 1, y);
   for (int i = whole; i < rows; ++i) {
     double sum = y[i];
     for (int j = 0; j < cols; ++j) sum += X[static_cast<long>(j) * stride + i] * c[j];
@@ -142,7 +169,7 @@ C3RT_WIDE void add_columns(int rows, int cols, const double* X, int stride, cons
 C3RT_WIDE void subtract_columns(int rows, int cols, const double* X, const double* c,
                                 double* y) noexcept {
   const int ld = padded(rows);
-  accumulate<true, false>(ld, X, ld, cols, nullptr, c, 1, y);
+  accumulate<true>(ld, X, ld, cols, c, 1, y);
 }
 
 C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const double* y,
@@ -151,10 +178,8 @@ C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const do
   for (int j = 0; j < cols; ++j) {
     Four sum = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < ld; i += 4) {
-      Four a, b;
-      std::memcpy(&a, X + j * ld + i, sizeof a);
-      std::memcpy(&b, y + i, sizeof b);
-      sum += a * b;
+      sum += *reinterpret_cast<const FourAnywhere*>(X + j * ld + i) *
+             *reinterpret_cast<const FourAnywhere*>(y + i);
     }
     c[j] -= (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }

@@ -16,10 +16,8 @@ struct Columns {
   const double* value;
 };
 
-/// Y += X S for columns [first, last) of S, written to columns 0 … of Y. `triangle`: Y is square
-/// and symmetric, of column j only the rows from j (or a little earlier) on are right.
-void add_product(int rows, const double* X, Columns S, int first, int last, bool triangle,
-                 double* Y) noexcept;
+/// Y += X S for columns [first, last) of S, those of Y from 0 on. X (rows × …).
+void add_product(int rows, const double* X, Columns S, int first, int last, double* Y) noexcept;
 
 /// Y = Xᵀ, X (rows × cols).
 void transpose(int rows, int cols, const double* X, double* Y) noexcept;

@@ -63,8 +63,8 @@ struct OsqpSettings {
 std::unique_ptr<QpStep> make_direct_qp(const Sizes& sizes);
 
 /// Solution by a primal-dual interior point method, each Newton step one Riccati recursion, so that
-/// time and memory grow linearly with N. Takes every kind of constraint; without any it is the direct
-/// method.
+/// time and memory grow linearly with N, after a guess of the active rows that mostly makes it
+/// needless. Takes every kind of constraint; without any it is the direct method.
 std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes);
 
 /// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first `set_costs`,

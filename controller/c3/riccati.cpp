@@ -115,14 +115,14 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
   const kernels::Columns B_hat = system(k).B_hat.columns();
   const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
   std::fill(PB_.begin(), PB_.end(), 0.0);
-  kernels::add_product(n_x, P_.data(), B_hat, begin, n_nu_, false, PB_.data());
+  kernels::add_product(n_x, P_.data(), B_hat, begin, n_nu_, PB_.data());
   std::fill(BP_.begin(), BP_.end(), 0.0);
   kernels::transpose(n_x, n, PB_.data(), BP_.data());
   std::fill(R_.begin(), R_.end(), 0.0);
   for (int j = 0; j < n; ++j) {
     std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
   }
-  kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, true, R_.data());
+  kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
   Stage& stage = stages_[k];
   if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
   double shift = 0.0;
@@ -141,13 +141,13 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H) noexcept {
   const int n_x = sizes_.n_x;
   Stage& stage = stages_[k];
   std::fill(PA_.begin(), PA_.end(), 0.0);
-  kernels::add_product(n_x, P_.data(), system.A.columns(), 0, n_x, false, PA_.data());
+  kernels::add_product(n_x, P_.data(), system.A.columns(), 0, n_x, PA_.data());
   kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
   for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
-  kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, false, stage.T.data());
+  kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, stage.T.data());
   kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
   for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P_[j * ld_x_]);
-  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, true, P_.data());
+  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P_.data());
   kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P_.data());
   for (int j = 0; j < n_x; ++j) {
     for (int i = j + 1; i < n_x; ++i) P_[i * ld_x_ + j] = P_[j * ld_x_ + i];
