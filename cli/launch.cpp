@@ -16,14 +16,6 @@ namespace {
 constexpr int kTailLines = 15;
 constexpr const char* kProcesses[] = {"plant", "impedance", "planner", "vision"};
 
-fs::path default_out(const std::string& scenario) {
-  const std::string name =
-      fmt::format("{}-{:%Y%m%d-%H%M%S}", scenario, fmt::localtime(std::time(nullptr)));
-  fs::path out = fs::path("out") / name;
-  for (int i = 2; fs::exists(out); ++i) out = fs::path("out") / fmt::format("{}-{}", name, i);
-  return out;
-}
-
 wire::BusSettings bus_settings(const LaunchSettings& settings) {
   wire::BusSettings bus;
   bus.domain = settings.domain;
@@ -53,8 +45,8 @@ Launch::Launch(const LaunchSettings& settings)
     : settings_(settings),
       file_(scenario_path(settings.scenario)),
       scenario_(config::load_scenario(file_.string(), settings.overrides)),
-      out_(fs::absolute(settings.out.empty() ? default_out(scenario_.name)
-                                             : fs::path(settings.out))),
+      out_(
+          fs::absolute(settings.out.empty() ? new_folder(scenario_.name) : fs::path(settings.out))),
       bus_(bus_settings(settings)),
       lock_(runtime_directory(), settings.domain, instance(settings, scenario_.name, bus_, out_)) {
   for (const char* name : kProcesses) {
@@ -62,9 +54,7 @@ Launch::Launch(const LaunchSettings& settings)
     if (access(program.c_str(), X_OK) != 0)
       throw UsageError("there is no program " + program.string());
   }
-  std::error_code error;
-  fs::create_directories(out_ / "logs", error);
-  if (error) throw UsageError("cannot make " + (out_ / "logs").string() + ": " + error.message());
+  make_folder(out_ / "logs");
 }
 
 void Launch::start(Supervisor& supervisor, bool recorded) const {

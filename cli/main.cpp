@@ -2,7 +2,9 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "cli/client.hpp"
+#include "cli/example/run.hpp"
+#include "cli/example/scenario.hpp"
 #include "cli/launch.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
@@ -29,6 +33,7 @@ constexpr const char* kExamples =
     "pictures\n"
     "  c3rt run circle_vision --seed 7 --out out/v7   in real time, with three cameras\n"
     "  c3rt run circle_slow --set planner.c3.admm_iterations=2\n"
+    "  c3rt run cart_pole --set c3.projection=miqp    a numerical example of the paper\n"
     "  c3rt up circle_fast; c3rt status; c3rt target hold; c3rt down\n"
     "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
     "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
@@ -43,6 +48,7 @@ struct LaunchOptions {
   double duration_s = 0.0;
 
   void add_to(CLI::App& command) {
+    command_ = &command;
     command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
         ->required();
     command.add_option("--clock", clock_, "realtime or lockstep")
@@ -77,6 +83,24 @@ struct LaunchOptions {
     return settings;
   }
 
+  /// The same for a numerical example, if the scenario is one.
+  /// @throws UsageError, config::ConfigError
+  std::optional<cli::ExampleSettings> read_example() const {
+    const std::filesystem::path file = cli::scenario_path(settings.scenario);
+    if (!cli::is_example(file)) return std::nullopt;
+    for (const char* option : {"--clock", "--domain", "--dds"}) {
+      if (command_->count(option) > 0) {
+        throw cli::UsageError(fmt::format(
+            "{}: {} is a numerical example: it runs in this process, in its own time, without a bus",
+            option, settings.scenario));
+      }
+    }
+    cli::ExampleSettings example{file, settings.seed, settings.overrides, settings.out};
+    if (duration_s > 0.0)
+      example.overrides.push_back(fmt::format("control.duration_s={}", duration_s));
+    return example;
+  }
+
   /// The same again, for the supervisor that is started anew.
   std::vector<std::string> words() const {
     std::vector<std::string> words{"serve",
@@ -91,6 +115,7 @@ struct LaunchOptions {
   }
 
  private:
+  CLI::App* command_ = nullptr;
   std::string clock_ = "realtime";
 };
 
@@ -142,7 +167,11 @@ class CommandLine {
   void add_running() {
     launch_.add_to(*command(app_, "run",
                             "One run from start to report: exits with the criteria's verdict",
-                            [this] { return cli::run(launch_.read("run")); }));
+                            [this] {
+                              if (const auto example = launch_.read_example())
+                                return cli::run_example(*example, &wire::StopFlag::requested);
+                              return cli::run(launch_.read("run"));
+                            }));
     up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
       const cli::LaunchSettings settings = up_.read("up");
       return cli::up(settings, up_.words());

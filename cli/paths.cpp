@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <ctime>
 #include <deque>
 #include <fstream>
 
@@ -89,6 +90,31 @@ fs::path runtime_directory() {
   fs::create_directories(directory, error);
   if (error) throw UsageError("cannot make " + directory.string() + ": " + error.message());
   return directory;
+}
+
+fs::path new_folder(const std::string& name) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  char date[32];
+  std::strftime(date, sizeof date, "%Y%m%d-%H%M%S", localtime_r(&now, &local));
+  const std::string dated = name + "-" + date;
+  fs::path folder = fs::path("out") / dated;
+  for (int i = 2; fs::exists(folder); ++i)
+    folder = fs::path("out") / (dated + "-" + std::to_string(i));
+  return folder;
+}
+
+fs::path make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw UsageError("cannot make " + folder.string() + ": " + error.message());
+  return fs::absolute(folder);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text;
+  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
 std::string tail(const fs::path& file, int lines) {

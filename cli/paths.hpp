@@ -38,6 +38,15 @@ std::filesystem::path dds_profile_path(const std::string& profile);
 /// files. Made if missing.
 std::filesystem::path runtime_directory();
 
+/// out/NAME-DATE under the current directory, with a number where that is taken; not made.
+std::filesystem::path new_folder(const std::string& name);
+
+/// Makes the folder and those above it. @return its absolute path. @throws UsageError
+std::filesystem::path make_folder(const std::filesystem::path& folder);
+
+/// @throws std::runtime_error if it cannot be written
+void write_text(const std::filesystem::path& file, const std::string& text);
+
 /// The last `lines` lines of a file, "" if there is none.
 std::string tail(const std::filesystem::path& file, int lines);
 

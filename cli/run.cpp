@@ -2,12 +2,12 @@
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/paths.hpp"
 #include "cli/recorder.hpp"
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"
@@ -88,12 +88,6 @@ std::vector<std::string> reflex_names(std::uint64_t bits) {
   return names;
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file);
-  stream << text;
-  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
-}
-
 }  // namespace
 
 int run(const LaunchSettings& settings) {
@@ -144,7 +138,7 @@ int run(const LaunchSettings& settings) {
     report.result = met ? "passed" : "criteria not met";
   }
   launch.lock().set_ended(report.result);
-  write(launch.out() / "report.json", to_json(report).dump(2) + "\n");
+  write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
   const std::string missing =
       draw_pictures(launch.out(), recorder.series(), circle, report.figures,
                     fmt::format("{} ({})", scenario.name, settings.clock_name()));

@@ -1,14 +1,9 @@
 #pragma once
 // `c3rt run`: one run from start to report.
+#include "cli/exit_status.hpp"
 #include "cli/launch.hpp"
 
 namespace c3rt::cli {
-
-// what every command exits with
-constexpr int kDone = 0;             // and the criteria are met
-constexpr int kCriterionFailed = 1;  // it ran, but a criterion failed
-constexpr int kUsage = 2;            // the call or the scenario is wrong
-constexpr int kProcessFailed = 3;    // a process failed; it has been named
 
 /// @return an exit status
 int run(const LaunchSettings& settings);

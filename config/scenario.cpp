@@ -43,6 +43,10 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   Section root = Document::load(path, overrides);
+  if (root.has("example")) {
+    root.fail("example", "no such key: a numerical example has none of the four processes",
+              root.text("example") + " (c3rt run runs it)");
+  }
   Scenario scenario{};
   scenario.name = root.text("name");
   scenario.description = root.text("description");

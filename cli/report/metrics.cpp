@@ -126,15 +126,22 @@ void add_criteria(const std::vector<Limit>& limits, const BallFigures& after_qua
     if (name == "vision_error_p95_m") return figures.vision_error.p95;
     return kNone;
   };
-  for (const Limit& limit : limits) {
-    const double value = value_of(limit.name);
-    // comparisons with kNone are false: what the run does not give is not met
-    if (limit.min) figures.criteria.push_back({limit.name, value, *limit.min, value >= *limit.min});
-    if (limit.max) figures.criteria.push_back({limit.name, value, *limit.max, value <= *limit.max});
-  }
+  figures.criteria = judge(limits, value_of);
 }
 
 }  // namespace
+
+std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
+                                   const std::function<double(const std::string&)>& value_of) {
+  std::vector<CriterionResult> results;
+  for (const Limit& limit : limits) {
+    const double value = value_of(limit.name);
+    // comparisons with kNone are false: what the run does not give is not met
+    if (limit.min) results.push_back({limit.name, value, *limit.min, value >= *limit.min});
+    if (limit.max) results.push_back({limit.name, value, *limit.max, value <= *limit.max});
+  }
+  return results;
+}
 
 void LoopCounter::add(double time, const Eigen::Vector2d& p_WB) {
   const Eigen::Vector2d arm = p_WB - circle_.center;

@@ -2,6 +2,7 @@
 // What a run amounts to: time series in, figures out. Errors are taken from ground truth, never
 // from the estimate.
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -74,6 +75,10 @@ struct CriterionResult {
   double limit;
   bool met;  // false where the value is kNone
 };
+
+/// One result for each bound.
+std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
+                                   const std::function<double(const std::string&)>& value_of);
 
 struct BallFigures {
   double rms_error =

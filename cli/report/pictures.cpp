@@ -2,52 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/format.h>
 
+#include "cli/report/gnuplot.hpp"
+
 namespace c3rt::cli {
 namespace {
+
+using gnuplot::draw;
+using gnuplot::quoted;
+using gnuplot::terminal;
 
 constexpr double kBand = 0.02;              // [m]
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
 
-/// Text inside gnuplot's double quotes.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '\n') {
-      result += "\\n";
-      continue;
-    }
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + "\"";
-}
-
-std::string terminal(const std::filesystem::path& file, int width, int height) {
-  return fmt::format(
-      "set terminal pngcairo size {},{} font 'DejaVu Sans,11' background 'white'\n"
-      "set output {}\nset encoding utf8\nset border lw 0.8\nset tics nomirror out\nset grid lc rgb "
-      "'#e4e4e4' lw 0.6\n",
-      width, height, quoted(file.string()));
-}
-
 /// gnuplot refuses axes that no sample gives a range.
 const char* axes(bool any) {
   return any ? "set xrange [0:*]\nset yrange [0:*]\nset nokey\n"
              : "set xrange [0:1]\nset yrange [0:1]\nset nokey\n";
-}
-
-/// Runs one script. @return false if gnuplot is missing or refuses it
-bool draw(const std::string& script) {
-  FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
-  if (gnuplot == nullptr) return false;
-  const bool written = fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  return pclose(gnuplot) == 0 && written;
 }
 
 std::string circle_points(const Circle& circle, double radius) {

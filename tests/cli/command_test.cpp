@@ -104,6 +104,31 @@ TEST_CASE("an override out of range is a usage error that says what was expected
   CHECK_THAT(outcome.output, Contains("planner.rate_hz") && Contains("expected"));
 }
 
+TEST_CASE("a numerical example runs in this process and leaves report, table and picture") {
+  const Place place;
+  const std::string out = " --out '" + place.out().string() + "'";
+  // too short to come to rest: it runs, but does not meet its criterion
+  const Outcome failed = place.c3rt("run cart_pole --duration 0.5" + out);
+  CHECK(failed.status == 1);
+  CHECK_THAT(failed.output, Contains("criteria not met") && Contains("success_rate: 0"));
+  CHECK(place.c3rt("run cart_pole" + out).status == 0);
+  for (const char* name : {"report.json", "trajectory.csv", "trajectory.png"})
+    CHECK(fs::exists(place.out() / name));
+  CHECK_FALSE(place.started("plant"));
+}
+
+TEST_CASE("a numerical example refuses the options of the four processes, and to be a service") {
+  const Place place;
+  for (const char* option : {"--clock lockstep", "--domain 3", "--dds lan"}) {
+    const Outcome outcome = place.c3rt(std::string("run cart_pole ") + option);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.output, Contains("numerical example"));
+  }
+  const Outcome service = place.c3rt("up pivoting" + place.start_options());
+  CHECK(service.status == 2);
+  CHECK_THAT(service.output, Contains("numerical example"));
+}
+
 TEST_CASE("a word that is no command, and no word at all, are usage errors") {
   CHECK(Place().c3rt("frobnicate").status == 2);
   CHECK(Place().c3rt("").status == 2);

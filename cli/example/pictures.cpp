@@ -1,0 +1,202 @@
+#include "cli/example/pictures.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace c3rt::cli {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using example::Experiment;
+using example::Trajectory;
+
+constexpr const char* kBlack = "#202020";
+constexpr const char* kBlue = "#1f5fd0";
+constexpr const char* kRed = "#d04020";
+constexpr const char* kGrey = "#808080";
+constexpr const char* kYellow = "#c8a000";
+constexpr const char* kUpperShade = "#cfe0fa";
+constexpr const char* kLowerShade = "#fad5cf";
+constexpr double kPushes = 1e-3;  // a normal force above this is contact [N]
+
+struct Names {
+  std::vector<const char*> x, u, lambda;
+};
+
+Names names(const Experiment& experiment) {
+  if (std::holds_alternative<model::CartPoleParameters>(experiment.plant)) {
+    return {{"position_m", "angle_rad", "velocity_m_per_s", "rate_rad_per_s"},
+            {"force_n"},
+            {"right_wall_n", "left_wall_n"}};
+  }
+  const std::vector<const char*> fingers{"acceleration_1_m_per_s2", "acceleration_2_m_per_s2",
+                                         "normal_1_n", "normal_2_n"};
+  if (std::holds_alternative<model::FingerGaitingParameters>(experiment.plant)) {
+    return {{"object_m", "object_rate_m_per_s", "finger_1_m", "finger_1_rate_m_per_s", "finger_2_m",
+             "finger_2_rate_m_per_s"},
+            fingers,
+            {"gamma_1_m_per_s", "up_1_n", "down_1_n", "gamma_2_m_per_s", "up_2_n", "down_2_n"}};
+  }
+  return {{"x_m", "x_rate_m_per_s", "y_m", "y_rate_m_per_s", "alpha_rad", "alpha_rate_rad_per_s",
+           "finger_1_m", "finger_1_rate_m_per_s", "finger_2_m", "finger_2_rate_m_per_s"},
+          fingers,
+          {"gamma_1_m_per_s", "t1_plus_n", "t1_minus_n", "gamma_2_m_per_s", "t2_plus_n",
+           "t2_minus_n", "gamma_3_m_per_s", "t3_plus_n", "t3_minus_n", "normal_ground_n"}};
+}
+
+/// One experiment's curves over time.
+struct Drawing {
+  const Experiment& experiment;
+  const Trajectory& trajectory;
+  VectorXd t;  // of the states
+
+  Drawing(const Experiment& e, const Trajectory& run)
+      : experiment(e),
+        trajectory(run),
+        t(VectorXd::LinSpaced(run.x.cols(), 0.0,
+                              static_cast<double>(run.steps()) * e.simulation_step)) {}
+
+  VectorXd steps() const { return t.head(trajectory.steps()); }
+  Curve x(int row, const char* name, const char* color) const {
+    return {name, color, t, trajectory.x.row(row)};
+  }
+  Curve u(int row, const char* name, const char* color) const {
+    return {name, color, steps(), trajectory.u.row(row)};
+  }
+  Curve lambda(int row, const char* name, const char* color) const {
+    return {name, color, steps(), trajectory.lambda.row(row)};
+  }
+  Curve level(double y, const std::string& name, const char* color) const {
+    return {name, color, Eigen::Vector2d(t[0], t[t.size() - 1]), Eigen::Vector2d(y, y), true};
+  }
+  std::vector<Shade> contact() const {
+    using L = model::PivotingLayout;  // the same places as in finger gaiting
+    const auto pushes = [this](int row) {
+      const Eigen::Array<bool, Eigen::Dynamic, 1> on =
+          trajectory.u.row(row).transpose().array() > kPushes;
+      return intervals(t, on);
+    };
+    return {{"finger 1 pushes", kUpperShade, 0.5, 1.0, pushes(L::normal_1)},
+            {"finger 2 pushes", kLowerShade, 0.0, 0.5, pushes(L::normal_2)}};
+  }
+};
+
+std::vector<Panel> cart_pole(const Drawing& d, const model::CartPoleParameters& p) {
+  using L = model::CartPoleLayout;
+  VectorXd tip = d.trajectory.x.row(L::position);
+  tip.array() -= p.pole_length * d.trajectory.x.row(L::angle).transpose().array().sin();
+  return {{"",
+           "",
+           "position [m]",
+           {d.x(L::position, "cart", kBlue),
+            {"tip of the pole", kRed, d.t, tip},
+            d.level(p.wall_distance, "walls", kYellow),
+            d.level(-p.wall_distance, "", kYellow)}},
+          {"", "", "angle of the pole [rad]", {d.x(L::angle, "angle", kBlue)}},
+          {"",
+           "time [s]",
+           "force [N]",
+           {d.u(0, "input", kBlack), d.lambda(L::right_wall, "right wall", kRed),
+            d.lambda(L::left_wall, "left wall", kBlue)}}};
+}
+
+std::vector<Panel> finger_gaiting(const Drawing& d) {
+  using L = model::FingerGaitingLayout;
+  Panel positions{"",
+                  "",
+                  "height [m]",
+                  {d.x(L::object, "object", kBlack), d.x(L::finger_1, "finger 1", kBlue),
+                   d.x(L::finger_2, "finger 2", kRed),
+                   d.level(d.experiment.x_desired[L::object], "goal of the object", kGrey)},
+                  d.contact()};
+  const c3::Constraints& constraints = d.experiment.constraints;
+  bool named = false;
+  for (const VectorXd* bound : {&constraints.x_min[0], &constraints.x_max[0]}) {
+    for (const double y : *bound) {
+      if (!std::isfinite(y)) continue;
+      positions.curves.push_back(d.level(y, named ? "" : "limits of the fingers", kYellow));
+      named = true;
+    }
+  }
+  return {positions,
+          {"",
+           "",
+           "normal force [N]",
+           {d.u(L::normal_1, "finger 1", kBlue), d.u(L::normal_2, "finger 2", kRed)}},
+          {"",
+           "time [s]",
+           "acceleration [m/s²]",
+           {d.u(L::acceleration_1, "finger 1", kBlue), d.u(L::acceleration_2, "finger 2", kRed)}}};
+}
+
+std::vector<Panel> pivoting(const Drawing& d) {
+  using L = model::PivotingLayout;
+  const VectorXd& goal = d.experiment.x_desired;
+  return {{"",
+           "",
+           "angle α [rad]",
+           {d.x(L::alpha, "α", kBlack), d.level(goal[L::alpha], "goal", kGrey)},
+           d.contact()},
+          {"",
+           "",
+           "centre of the box [m]",
+           {d.x(L::x, "x", kBlue), d.x(L::y, "y", kRed), d.level(goal[L::x], "goals", kGrey),
+            d.level(goal[L::y], "", kGrey)}},
+          {"",
+           "",
+           "fingers along their faces [m]",
+           {d.x(L::finger_1, "finger 1", kBlue), d.x(L::finger_2, "finger 2", kRed),
+            d.level(goal[L::finger_1], "goal", kGrey)}},
+          {"",
+           "time [s]",
+           "normal force [N]",
+           // without the ground's: one impact of a step would dwarf the others
+           {d.u(L::normal_1, "finger 1", kBlue), d.u(L::normal_2, "finger 2", kRed)}}};
+}
+
+}  // namespace
+
+void write_trajectory(const std::filesystem::path& file, const Experiment& experiment,
+                      const Trajectory& trajectory) {
+  std::ofstream stream(file);
+  stream << "t_s";
+  const Names columns = names(experiment);
+  for (const auto* group : {&columns.x, &columns.u, &columns.lambda}) {
+    for (const char* name : *group) stream << ',' << name;
+  }
+  stream << ",accumulated_cost\n";
+  const auto cells = [&](const Eigen::MatrixXd& matrix, Index column) {
+    for (Index row = 0; row < matrix.rows(); ++row) {
+      stream << (column < matrix.cols() ? fmt::format(",{:.9g}", matrix(row, column)) : ",");
+    }
+  };
+  for (Index i = 0; i < trajectory.x.cols(); ++i) {
+    stream << fmt::format("{:.9g}", static_cast<double>(i) * experiment.simulation_step);
+    cells(trajectory.x, i);
+    cells(trajectory.u, i);  // empty after the last step
+    cells(trajectory.lambda, i);
+    stream << fmt::format(",{:.9g}\n", trajectory.cost[i]);
+  }
+  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+std::vector<Panel> trajectory_panels(const Experiment& experiment, const Trajectory& trajectory) {
+  const Drawing drawing(experiment, trajectory);
+  struct Draw {
+    const Drawing& d;
+    std::vector<Panel> operator()(const model::CartPoleParameters& p) const {
+      return cart_pole(d, p);
+    }
+    std::vector<Panel> operator()(const model::FingerGaitingParameters&) const {
+      return finger_gaiting(d);
+    }
+    std::vector<Panel> operator()(const model::PivotingParameters&) const { return pivoting(d); }
+  };
+  return std::visit(Draw{drawing}, experiment.plant);
+}
+
+}  // namespace c3rt::cli

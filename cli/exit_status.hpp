@@ -1,0 +1,11 @@
+#pragma once
+
+namespace c3rt::cli {
+
+// what every command exits with
+constexpr int kDone = 0;             // and the criteria are met
+constexpr int kCriterionFailed = 1;  // it ran, but a criterion failed
+constexpr int kUsage = 2;            // the call or the scenario is wrong
+constexpr int kProcessFailed = 3;    // a process failed; it has been named
+
+}  // namespace c3rt::cli

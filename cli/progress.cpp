@@ -1,0 +1,72 @@
+#include "cli/progress.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace c3rt::cli {
+namespace {
+
+constexpr double kQuiet = 1.0, kTerminalPeriod = 0.2, kLinePeriod = 10.0;  // [s]
+constexpr int kBar = 24;
+
+std::size_t terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+/// "3 min 20 s"
+std::string shown(double seconds) {
+  const int whole = static_cast<int>(seconds + 0.5);
+  return whole < 60 ? fmt::format("{} s", whole)
+                    : fmt::format("{} min {} s", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Progress::Progress(std::string title)
+    : title_(std::move(title)),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      started_(seconds_now()),
+      drawn_at_(started_ + kQuiet - (terminal_ ? kTerminalPeriod : kLinePeriod)) {
+  if (!terminal_) drawn_at_ = started_;
+}
+
+Progress::~Progress() {
+  if (terminal_ && drawn_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void Progress::update(double share, const std::string& text) {
+  const double now = seconds_now();
+  if (now - drawn_at_ < (terminal_ ? kTerminalPeriod : kLinePeriod)) return;
+  drawn_at_ = now;
+  drawn_ = true;
+  share = std::clamp(share, 0.0, 1.0);
+  const double passed = now - started_;
+  const std::string left =
+      share > 0.01 ? ", " + shown(passed / share - passed) + " left" : std::string();
+  std::string line =
+      fmt::format("{}  {:3.0f} %  {} ({}{})", title_, 100.0 * share, text, shown(passed), left);
+  if (terminal_) {
+    const int filled = static_cast<int>(share * kBar);
+    line = fmt::format("[{}{}] ", std::string(static_cast<std::size_t>(filled), '#'),
+                       std::string(static_cast<std::size_t>(kBar - filled), '.')) +
+           line;
+    line.resize(std::min(line.size(), terminal_width() - 1));
+    fmt::print(stderr, "\r{}\x1b[K", line);
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace c3rt::cli
