@@ -1,116 +1,302 @@
-// Times the C3 solve of the single-ball task (n_x 19, n_lambda 12, n_u 3, N 5, s 3) and its parts
-// beside a baseline that says how fast the machine is just now: one Cholesky factorisation of a
-// dense 100 × 100 matrix. Run: c3rt_bench_c3 --benchmark_repetitions=20
-#include <algorithm>
+// Times the QP step, the projections and whole C3 solves, each beside the paper's configuration in
+// the same run (tests/bench/baseline.hpp): "speed-up" is the baseline's time divided by ours. All
+// is CPU time of one thread. Run: c3rt bench c3, or c3rt_bench_c3 --benchmark_repetitions=9
+#include <map>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <benchmark/benchmark.h>
 
 #include "controller/c3/solver.hpp"
-#include "tests/support/rolling_ball.hpp"
+#include "tests/bench/baseline.hpp"
+#include "tests/bench/problems.hpp"
 
 namespace {
 
 using namespace c3rt;
+using bench::Problem;
+using benchmark::Counter;
+using c3::ProjectionKind;
+using c3::QpBackend;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-c3::Settings settings(c3::QpBackend qp) {
-  return {3, 1.0, 2.2, qp, {1000, 1e-5, 0.1, 50, false}, c3::ProjectionKind::kMiqp, 10000, true};
-}
-
-/// Problems along a push: the gap and the ball's speed vary, so the contact modes do.
-struct Problem {
-  Eigen::VectorXd x0;
-  lcs::Lcs lcs;
-  Eigen::MatrixXd x_desired;
-};
-std::vector<Problem> problems() {
-  std::vector<Problem> all;
-  for (int i = 0; i < 16; ++i) {
-    const Eigen::VectorXd x = rolling_ball::state(-0.0005 + 0.001 * i, 0.01 * i);
-    all.push_back({x, rolling_ball::lcs(x), rolling_ball::x_desired(x)});
+const char* name(ProjectionKind kind) {
+  switch (kind) {
+    case ProjectionKind::kMiqp:
+      return "miqp";
+    case ProjectionKind::kLcp:
+      return "lcp";
+    case ProjectionKind::kAdmm:
+      return "admm";
+    case ProjectionKind::kConvex:
+      return "convex";
+    case ProjectionKind::kPlus:
+      return "c3+";
   }
-  return all;
+  return "";
 }
 
-void baseline_cholesky_100(benchmark::State& state) {
-  Eigen::MatrixXd A = Eigen::MatrixXd::Constant(100, 100, 0.5);
+const char* name(QpBackend backend) {
+  switch (backend) {
+    case QpBackend::kDirect:
+      return "direct";
+    case QpBackend::kInteriorPoint:
+      return "interior_point";
+    case QpBackend::kOsqp:
+      return "osqp";
+  }
+  return "";
+}
+
+/// The exact projection's problem has the weights and the model that the baseline needs.
+Problem baseline_problem(const std::string& name, int N) {
+  return bench::problem(name, ProjectionKind::kMiqp, N);
+}
+
+/// seconds of the baseline over seconds of ours
+void count_speed_up(benchmark::State& state, double baseline_seconds) {
+  state.counters["baseline_s"] = baseline_seconds;
+  state.counters["speed-up"] = Counter(baseline_seconds, Counter::kIsIterationInvariantRate);
+}
+
+/// How fast this machine is just now.
+void cholesky(benchmark::State& state) {
+  MatrixXd A = MatrixXd::Constant(100, 100, 0.5);
   A.diagonal().setConstant(100.0);
-  Eigen::LLT<Eigen::MatrixXd> llt(100);
+  Eigen::LLT<MatrixXd> llt(100);
   for (auto _ : state) {
     llt.compute(A);
     benchmark::DoNotOptimize(llt.matrixLLT().data());
   }
 }
-BENCHMARK(baseline_cholesky_100)->Unit(benchmark::kMicrosecond);
 
-void solve(benchmark::State& state, c3::QpBackend qp, rolling_ball::Phase phase) {
-  const std::vector<Problem> all = problems();
-  c3::Solver solver(rolling_ball::sizes(), settings(qp));
-  solver.set_costs(rolling_ball::costs(phase));
-  std::size_t i = 0;
+/// The QPs of one solve, with the consensus terms that they met there.
+struct RecordedQps {
+  explicit RecordedQps(const Problem& problem, const bench::State& state)
+      : x_desired(problem.x_desired(state)) {
+    c3::Settings settings = problem.settings;
+    settings.trace = true;
+    c3::Solver solver(problem.sizes, settings);
+    solver.set_costs(problem.costs, problem.constraints);
+    const c3::Solution& solution = solver.solve(state.lcs, state.x0, x_desired);
+    MatrixXd r = MatrixXd::Zero(problem.sizes.n_z(), problem.sizes.N);
+    if (settings.delta_starts_at_x0) r.topRows(problem.sizes.n_x).colwise() = state.x0;
+    for (int i = 0; i < solution.iterations; ++i) {
+      const c3::Iterate& iterate = solution.trace[static_cast<std::size_t>(i)];
+      rho.push_back(iterate.rho);
+      g.push_back(problem.costs.G[0] * r);
+      r = iterate.delta - iterate.w;
+    }
+  }
+
+  MatrixXd x_desired;
+  std::vector<double> rho;
+  std::vector<MatrixXd> g;
+};
+
+/// Time of one of the QPs of Algorithm 1: what is set up once in a solve counts with its share.
+void qp_step(benchmark::State& state, const std::string& problem_name, QpBackend backend, int N) {
+  const Problem p = baseline_problem(problem_name, N);
+  const bench::State& at = p.states[5];
+  const RecordedQps qps(p, at);
+  const int s = static_cast<int>(qps.g.size());
+  MatrixXd z = MatrixXd::Zero(p.sizes.n_z(), N);
+  VectorXd x_N = VectorXd::Zero(p.sizes.n_x);
+
+  const double start = bench::thread_seconds();
+  constexpr int kRounds = 5;
+  for (int i = 0; i < kRounds * s; ++i) {
+    const auto j = static_cast<std::size_t>(i % s);
+    const auto paper = bench::make_paper_qp(p.sizes);
+    paper->set_costs(p.costs, p.constraints);
+    paper->start({&at.lcs, 0}, {p.costs.G.data(), 0}, nullptr);
+    (void)paper->solve(qps.rho[j], at.x0, qps.x_desired, qps.g[j], z, x_N);
+  }
+  const double baseline = (bench::thread_seconds() - start) / (kRounds * s);
+
+  const auto qp = backend == QpBackend::kDirect ? c3::make_direct_qp(p.sizes)
+                  : backend == QpBackend::kInteriorPoint
+                      ? c3::make_interior_point_qp(p.sizes)
+                      : c3::make_osqp_qp(p.sizes, p.settings.osqp);
+  qp->set_costs(p.costs, p.constraints);
+  long failed = 0;
+  while (state.KeepRunningBatch(s)) {
+    qp->start({&at.lcs, 0}, {p.costs.G.data(), 0}, nullptr);
+    for (std::size_t i = 0; i < qps.g.size(); ++i) {
+      const c3::QpReport report = qp->solve(qps.rho[i], at.x0, qps.x_desired, qps.g[i], z, x_N);
+      failed += report.status != c3::QpStatus::kSolved;
+      benchmark::DoNotOptimize(z.data());
+    }
+  }
+  state.counters["not_ok"] = static_cast<double>(failed);
+  count_speed_up(state, baseline);
+}
+
+std::unique_ptr<c3::Projection> make_projection(const Problem& p) {
+  switch (p.settings.projection) {
+    case ProjectionKind::kMiqp:
+      return c3::make_miqp_projection(p.sizes, p.settings.max_nodes);
+    case ProjectionKind::kLcp:
+      return c3::make_lcp_projection(p.sizes);
+    case ProjectionKind::kAdmm:
+      return c3::make_admm_projection(p.sizes, p.settings.admm);
+    case ProjectionKind::kConvex:
+      return c3::make_convex_projection(p.sizes);
+    case ProjectionKind::kPlus:
+      return c3::make_plus_projection(p.sizes);
+  }
+  return nullptr;
+}
+
+/// What is projected in one solve, of all rounds and stages: v = z_k + w_k.
+MatrixXd projected(const Problem& p, const bench::State& at) {
+  c3::Settings settings = p.settings;
+  settings.trace = true;
+  c3::Solver solver(p.sizes, settings);
+  solver.set_costs(p.costs, p.constraints);
+  const c3::Solution& solution = solver.solve(at.lcs, at.x0, p.x_desired(at));
+  const int rounds = solution.projections;
+  MatrixXd v(solution.z.rows(), rounds * p.sizes.N);
+  MatrixXd w = MatrixXd::Zero(solution.z.rows(), p.sizes.N);
+  for (int i = 0; i < rounds; ++i) {
+    const c3::Iterate& iterate = solution.trace[static_cast<std::size_t>(i)];
+    v.middleCols(i * p.sizes.N, p.sizes.N) = iterate.z + w;
+    w = iterate.w;
+  }
+  return v;
+}
+
+/// Time of one projection, the mean over those of one solve; what is computed once in a solve
+/// counts with its share.
+void project(benchmark::State& state, const std::string& problem_name, ProjectionKind kind, int N) {
+  const Problem exact = baseline_problem(problem_name, N);
+  // Google Benchmark comes here several times until it has found how often to repeat
+  static std::map<std::string, double> baselines;
+  if (bench::has_miqp_solver() && baselines.count(problem_name) == 0) {
+    const bench::State& at = exact.states[5];
+    baselines[problem_name] = bench::paper_projection_time(exact, at, projected(exact, at));
+  }
+
+  const Problem p = bench::problem(problem_name, kind, N);
+  const bench::State& at = p.states[5];
+  const MatrixXd v = projected(p, at);
+  const auto projection = make_projection(p);
+  projection->set_weights(p.costs);
+  VectorXd delta(v.rows());
   long nodes = 0, failed = 0;
-  for (auto _ : state) {
-    const Problem& problem = all[i++ % all.size()];
-    const c3::Solution& solution = solver.solve(problem.lcs, problem.x0, problem.x_desired);
-    benchmark::DoNotOptimize(solution.z.data());
-    nodes += solution.branch_nodes;
-    failed += solution.status != c3::SolveStatus::kOk;
+  while (state.KeepRunningBatch(v.cols())) {
+    projection->start(at.lcs);
+    for (Eigen::Index k = 0; k < v.cols(); ++k) {
+      const c3::ProjectionReport report = projection->project(v.col(k), delta, {});
+      nodes += report.nodes;
+      failed += report.status != c3::ProjectionStatus::kSolved;
+      benchmark::DoNotOptimize(delta.data());
+    }
   }
-  // 2 rounds of 5 projections per solve
-  state.counters["nodes/projection"] =
-      benchmark::Counter(static_cast<double>(nodes) / 10.0, benchmark::Counter::kAvgIterations);
-  state.counters["not ok"] = static_cast<double>(failed);
+  state.counters["nodes"] = Counter(static_cast<double>(nodes), Counter::kAvgIterations);
+  state.counters["not_ok"] = static_cast<double>(failed);
+  if (bench::has_miqp_solver()) count_speed_up(state, baselines.at(problem_name));
 }
-BENCHMARK_CAPTURE(solve, direct_roll, c3::QpBackend::kDirect, rolling_ball::Phase::kRoll)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(solve, direct_return, c3::QpBackend::kDirect, rolling_ball::Phase::kReturn)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(solve, osqp_roll, c3::QpBackend::kOsqp, rolling_ball::Phase::kRoll)
-    ->Unit(benchmark::kMicrosecond);
 
-void project(benchmark::State& state) {
-  const std::vector<Problem> all = problems();
-  const c3::Sizes sizes = rolling_ball::sizes();
-  const c3::Costs costs = rolling_ball::costs(rolling_ball::Phase::kRoll);
-  c3::Solver solver(sizes, settings(c3::QpBackend::kDirect));
-  solver.set_costs(costs);
-  const auto projection = c3::make_miqp_projection(sizes, 10000);
-  projection->set_weights(costs);
-  const Problem& problem = all[static_cast<std::size_t>(state.range(0))];
-  const Eigen::MatrixXd v = solver.solve(problem.lcs, problem.x0, problem.x_desired).z;
-  projection->start(problem.lcs);
-  Eigen::VectorXd delta(sizes.n_z());
-  int k = 0;
-  long nodes = 0;
-  for (auto _ : state) {
-    nodes += projection->project(v.col(k++ % sizes.N), delta, {}).nodes;
-    benchmark::DoNotOptimize(delta.data());
+/// A whole solve, the states in turn.
+void solve(benchmark::State& state, const std::string& problem_name, ProjectionKind kind, int N) {
+  const Problem p = bench::problem(problem_name, kind, N);
+  std::vector<MatrixXd> x_desired;
+  for (const bench::State& at : p.states) x_desired.push_back(p.x_desired(at));
+  c3::Solver solver(p.sizes, p.settings);
+  solver.set_costs(p.costs, p.constraints);
+  long nodes = 0, failed = 0;
+  while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(p.states.size()))) {
+    for (std::size_t i = 0; i < p.states.size(); ++i) {
+      const c3::Solution& solution = solver.solve(p.states[i].lcs, p.states[i].x0, x_desired[i]);
+      benchmark::DoNotOptimize(solution.z.data());
+      nodes += solution.branch_nodes;
+      failed += solution.status != c3::SolveStatus::kOk;
+    }
   }
+  const double projections = (p.settings.admm_iterations - 1.0) * N;
   state.counters["nodes"] =
-      benchmark::Counter(static_cast<double>(nodes), benchmark::Counter::kAvgIterations);
-}
-BENCHMARK(project)->Arg(0)->Arg(5)->Arg(15)->Unit(benchmark::kMicrosecond);
-
-void qp_step(benchmark::State& state) {
-  const std::vector<Problem> all = problems();
-  const c3::Sizes sizes = rolling_ball::sizes();
-  const auto qp = c3::make_direct_qp(sizes);
-  const c3::Costs costs = rolling_ball::costs(rolling_ball::Phase::kRoll);
-  qp->set_costs(costs, {});
-  qp->start({&all[0].lcs, 0}, {costs.G.data(), 0}, nullptr);
-  const Eigen::MatrixXd r = Eigen::MatrixXd::Zero(sizes.n_z(), sizes.N);
-  Eigen::MatrixXd z(sizes.n_z(), sizes.N);
-  Eigen::VectorXd x_N(sizes.n_x);
-  double rho = 1.0;
-  for (auto _ : state) {
-    rho = 3.0 - rho;  // another penalty every time: nothing of the factorisation is reused
-    (void)qp->solve(rho, all[0].x0, all[0].x_desired, r, z, x_N);
-    benchmark::DoNotOptimize(z.data());
+      Counter(static_cast<double>(nodes) / projections, Counter::kAvgIterations);
+  state.counters["not_ok"] = static_cast<double>(failed);
+  state.counters["per_stage"] =
+      Counter(N, Counter::kIsIterationInvariantRate | Counter::kInvert);  // [s]
+  if (const auto paper = bench::paper_solve_time(baseline_problem(problem_name, N))) {
+    state.counters["baseline_qp_s"] = paper->qp;
+    count_speed_up(state, paper->seconds());
   }
 }
-BENCHMARK(qp_step)->Unit(benchmark::kMicrosecond);
+
+template <typename F, typename... Arguments>
+void add(const std::string& name, F* function, Arguments... arguments) {
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    function(state, arguments...);
+  })->Unit(benchmark::kMicrosecond);
+}
+
+void add_all() {
+  const std::string cart_pole = "cart_pole", gaiting = "gaiting", pivoting = "pivoting",
+                    one = "1_ball", two = "2_balls", three = "3_balls";
+  const auto both = {QpBackend::kInteriorPoint, QpBackend::kOsqp};
+  const auto all = {QpBackend::kDirect, QpBackend::kInteriorPoint, QpBackend::kOsqp};
+  const auto add_qp = [](const std::string& problem, QpBackend backend, int N) {
+    add("qp/" + problem + "/" + name(backend), qp_step, problem, backend, N);
+  };
+  for (const std::string& problem : {cart_pole, pivoting}) {
+    for (const QpBackend backend : all) add_qp(problem, backend, 10);
+  }
+  for (const QpBackend backend : both) add_qp(gaiting, backend, 10);
+  for (const std::string& problem : {one, two, three}) {
+    for (const QpBackend backend : all) add_qp(problem, backend, 5);
+  }
+
+  constexpr auto kMiqp = ProjectionKind::kMiqp, kLcp = ProjectionKind::kLcp,
+                 kAdmm = ProjectionKind::kAdmm, kConvex = ProjectionKind::kConvex,
+                 kPlus = ProjectionKind::kPlus;
+  const auto add_project = [](const std::string& problem, int N,
+                              std::vector<ProjectionKind> kinds) {
+    for (const ProjectionKind kind : kinds) {
+      add("project/" + problem + "/" + name(kind), project, problem, kind, N);
+    }
+  };
+  add_project(cart_pole, 10, {kMiqp, kLcp, kAdmm, kConvex, kPlus});
+  add_project(gaiting, 10, {kMiqp, kAdmm, kPlus});
+  add_project(pivoting, 10, {kMiqp, kAdmm, kPlus});
+  add_project(one, 5, {kMiqp, kAdmm, kConvex, kPlus});
+  add_project(two, 5, {kMiqp, kPlus});
+  add_project(three, 5, {kMiqp, kConvex, kPlus});
+
+  const auto add_solve = [](const std::string& problem, std::vector<ProjectionKind> kinds) {
+    for (const ProjectionKind kind : kinds) {
+      for (const int N : {5, 10, 20, 30, 50}) {
+        add("solve/" + problem + "/" + name(kind) + "/" + std::to_string(N), solve, problem, kind,
+            N);
+      }
+    }
+  };
+  add_solve(cart_pole, {kMiqp, kLcp, kAdmm, kConvex, kPlus});
+  add_solve(gaiting, {kMiqp});
+  add_solve(pivoting, {kMiqp});
+  add_solve(one, {kMiqp, kConvex, kPlus});
+  add_solve(two, {kMiqp, kPlus});
+  add_solve(three, {kMiqp, kConvex, kPlus});
+}
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::AddCustomContext(
+      "baseline", bench::has_miqp_solver()
+                      ? "OSQP set up for every QP, MIQP by big-M (M = 1000) and Bonmin, one thread"
+                      : "none for projections and solves: no general MIQP solver (Debian: "
+                        "coinor-libbonmin-dev) when this was built");
+  benchmark::RegisterBenchmark("machine/cholesky_100", cholesky)->Unit(benchmark::kMicrosecond);
+  add_all();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
