@@ -22,9 +22,9 @@ namespace {
 
 using namespace c3rt;
 
-constexpr double kDegree = M_PI / 180.0; // [rad]
+constexpr double kDegree = M_PI / 180.0;  // [rad]
 
-constexpr const char *kExamples =
+constexpr const char* kExamples =
     "Examples:\n"
     "  c3rt run circle_slow --clock lockstep          three circles in "
     "simulated time, report and "
@@ -49,10 +49,8 @@ struct LaunchOptions {
   cli::LaunchSettings settings;
   double duration_s = 0.0;
 
-  void add_to(CLI::App &command) {
-    command
-        .add_option("scenario", settings.scenario,
-                    "Name of a scenario, or a path to its file")
+  void add_to(CLI::App& command) {
+    command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
         ->required();
     command.add_option("--clock", clock_, "realtime or lockstep")
         ->check(CLI::IsMember({"realtime", "lockstep"}))
@@ -68,24 +66,21 @@ struct LaunchOptions {
                     "Overrides one key of the scenario: section.key=value")
         ->expected(1)
         ->take_all();
-    command.add_option(
-        "--out", settings.out,
-        "Folder of logs and results; default: out/SCENARIO-DATE");
+    command.add_option("--out", settings.out,
+                       "Folder of logs and results; default: out/SCENARIO-DATE");
     command.add_option("--domain", settings.domain, "DDS domain")
         ->check(CLI::Range(0, 230))
         ->capture_default_str();
     command
-        .add_option("--dds", settings.dds_profile,
-                    "DDS profile: a name of config/dds or a path")
+        .add_option("--dds", settings.dds_profile, "DDS profile: a name of config/dds or a path")
         ->capture_default_str();
   }
 
-  cli::LaunchSettings read(const std::string &verb) {
+  cli::LaunchSettings read(const std::string& verb) {
     settings.verb = verb;
     settings.lockstep = clock_ == "lockstep";
     if (duration_s > 0.0)
-      settings.overrides.push_back(
-          fmt::format("task.duration_s={}", duration_s));
+      settings.overrides.push_back(fmt::format("task.duration_s={}", duration_s));
     return settings;
   }
 
@@ -95,39 +90,33 @@ struct LaunchOptions {
                                    settings.scenario,
                                    "--clock=" + clock_,
                                    "--seed=" + std::to_string(settings.seed),
-                                   "--domain=" +
-                                       std::to_string(settings.domain),
+                                   "--domain=" + std::to_string(settings.domain),
                                    "--dds=" + settings.dds_profile};
-    if (!settings.out.empty())
-      words.push_back("--out=" + settings.out);
-    for (const std::string &assignment : settings.overrides)
-      words.push_back("--set=" + assignment);
+    if (!settings.out.empty()) words.push_back("--out=" + settings.out);
+    for (const std::string& assignment : settings.overrides) words.push_back("--set=" + assignment);
     return words;
   }
 
-private:
+ private:
   std::string clock_ = "realtime";
 };
 
-void add_seat(CLI::App &command, cli::Seat &seat) {
+void add_seat(CLI::App& command, cli::Seat& seat) {
   command.add_option("--domain", seat.domain, "DDS domain")
       ->check(CLI::Range(0, 230))
       ->capture_default_str();
-  command
-      .add_option("--dds", seat.dds_profile,
-                  "DDS profile, where no instance of yours tells it")
+  command.add_option("--dds", seat.dds_profile, "DDS profile, where no instance of yours tells it")
       ->capture_default_str();
 }
 
-const std::map<std::string, wire::Process> kProcesses{
-    {"plant", c3rt_v1_PROCESS_PLANT},
-    {"impedance", c3rt_v1_PROCESS_IMPEDANCE},
-    {"planner", c3rt_v1_PROCESS_PLANNER},
-    {"vision", c3rt_v1_PROCESS_VISION}};
+const std::map<std::string, wire::Process> kProcesses{{"plant", c3rt_v1_PROCESS_PLANT},
+                                                      {"impedance", c3rt_v1_PROCESS_IMPEDANCE},
+                                                      {"planner", c3rt_v1_PROCESS_PLANNER},
+                                                      {"vision", c3rt_v1_PROCESS_VISION}};
 
 /// Everything that the command line can hold; chosen() is what it asked for.
 class CommandLine {
-public:
+ public:
   CommandLine() {
     app_.require_subcommand(1);
     app_.footer(kExamples);
@@ -140,76 +129,66 @@ public:
     add_library();
   }
 
-  int run(int argc, char **argv) {
+  int run(int argc, char** argv) {
     try {
       app_.parse(argc, argv);
-    } catch (const CLI::ParseError &error) {
+    } catch (const CLI::ParseError& error) {
       return app_.exit(error) == 0 ? cli::kDone : cli::kUsage;
     }
     return action_();
   }
 
-private:
-  CLI::App *command(CLI::App &parent, const std::string &name,
-                    const std::string &description,
+ private:
+  CLI::App* command(CLI::App& parent, const std::string& name, const std::string& description,
                     std::function<int()> action) {
-    CLI::App *added = parent.add_subcommand(name, description);
+    CLI::App* added = parent.add_subcommand(name, description);
     added->callback([this, action = std::move(action)] { action_ = action; });
     return added;
   }
 
   void add_running() {
-    launch_.add_to(*command(
-        app_, "run",
-        "One run from start to report: exits with the criteria's verdict",
-        [this] { return cli::run(launch_.read("run")); }));
-    up_.add_to(*command(app_, "up",
-                        "Starts the four processes as a service and returns",
-                        [this] {
-                          const cli::LaunchSettings settings = up_.read("up");
-                          return cli::up(settings, up_.words());
-                        }));
-    CLI::App *serve = command(
-        app_, "serve", "The supervisor behind c3rt up, in the foreground",
-        [this] { return cli::serve(serve_.read("up")); });
+    launch_.add_to(*command(app_, "run",
+                            "One run from start to report: exits with the criteria's verdict",
+                            [this] { return cli::run(launch_.read("run")); }));
+    up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
+      const cli::LaunchSettings settings = up_.read("up");
+      return cli::up(settings, up_.words());
+    }));
+    CLI::App* serve = command(app_, "serve", "The supervisor behind c3rt up, in the foreground",
+                              [this] { return cli::serve(serve_.read("up")); });
     serve_.add_to(*serve);
     add_seat(*command(app_, "down", "Ends the instance on this domain",
                       [this] { return cli::down(seat_); }),
              seat_);
-    add_seat(*command(app_, "status", "What runs, and how it is",
-                      [this] { return cli::status(seat_); }),
-             seat_);
+    add_seat(
+        *command(app_, "status", "What runs, and how it is", [this] { return cli::status(seat_); }),
+        seat_);
   }
 
   void add_requests() {
     // the plant holds the robot's own errors, the others their part of standing
     // still
-    const auto add = [this](const char *name, const char *description,
-                            c3rt_v1_RequestVerb verb) {
-      CLI::App *added = command(app_, name, description, [this, verb] {
-        return cli::request(seat_,
-                            {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE,
-                             c3rt_v1_PROCESS_PLANNER},
-                            verb);
+    const auto add = [this](const char* name, const char* description, c3rt_v1_RequestVerb verb) {
+      CLI::App* added = command(app_, name, description, [this, verb] {
+        return cli::request(
+            seat_, {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER},
+            verb);
       });
       add_seat(*added, seat_);
     };
-    add("recover", "Ends a reflex or a stop: the arm moves again",
-        c3rt_v1_REQUEST_RECOVER);
+    add("recover", "Ends a reflex or a stop: the arm moves again", c3rt_v1_REQUEST_RECOVER);
     add("stop", "Stops the robot until recover", c3rt_v1_REQUEST_STOP);
   }
 
-  CLI::App *fault(CLI::App &parent, const std::string &name,
-                  const std::string &description, c3rt_v1_FaultKind kind,
-                  std::optional<wire::Process> process) {
-    CLI::App *added = command(parent, name, description, [this, kind, process] {
+  CLI::App* fault(CLI::App& parent, const std::string& name, const std::string& description,
+                  c3rt_v1_FaultKind kind, std::optional<wire::Process> process) {
+    CLI::App* added = command(parent, name, description, [this, kind, process] {
       wire::FaultInject sample{};
       sample.kind = kind;
       sample.process = process ? *process : process_;
       sample.index = index_;
       sample.duration_s = fault_duration_s_;
-      for (std::size_t i = 0; i < 3; ++i)
-        sample.value[i] = impulse_ns_[i];
+      for (std::size_t i = 0; i < 3; ++i) sample.value[i] = impulse_ns_[i];
       return cli::inject(seat_, sample);
     });
     add_seat(*added, seat_);
@@ -217,8 +196,7 @@ private:
       added->add_option("process", process_, "Which process")
           ->required()
           ->transform(CLI::CheckedTransformer(kProcesses));
-    const bool lasts =
-        kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
+    const bool lasts = kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
     if (lasts)
       added->add_option("--for", fault_duration_s_, "How long [s]")
           ->check(CLI::PositiveNumber)
@@ -227,35 +205,28 @@ private:
   }
 
   void add_faults() {
-    CLI::App &parent =
-        *app_.add_subcommand("fault", "Makes something go wrong");
+    CLI::App& parent = *app_.add_subcommand("fault", "Makes something go wrong");
     parent.require_subcommand(1);
-    CLI::App *push = fault(parent, "push-ball", "Pushes a ball",
-                           c3rt_v1_FAULT_PUSH_BALL, c3rt_v1_PROCESS_PLANT);
-    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")
-        ->expected(3)
-        ->required();
-    push->add_option("--ball", index_, "Which ball")
-        ->check(CLI::Range(0, c3rt_v1_MAX_BALLS - 1));
-    fault(parent, "drop-commands", "The plant ignores commands",
-          c3rt_v1_FAULT_DROP_COMMANDS, c3rt_v1_PROCESS_PLANT);
-    fault(parent, "freeze-camera", "A camera sees nothing",
-          c3rt_v1_FAULT_FREEZE_CAMERA, c3rt_v1_PROCESS_VISION)
+    CLI::App* push =
+        fault(parent, "push-ball", "Pushes a ball", c3rt_v1_FAULT_PUSH_BALL, c3rt_v1_PROCESS_PLANT);
+    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")->expected(3)->required();
+    push->add_option("--ball", index_, "Which ball")->check(CLI::Range(0, c3rt_v1_MAX_BALLS - 1));
+    fault(parent, "drop-commands", "The plant ignores commands", c3rt_v1_FAULT_DROP_COMMANDS,
+          c3rt_v1_PROCESS_PLANT);
+    fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v1_FAULT_FREEZE_CAMERA,
+          c3rt_v1_PROCESS_VISION)
         ->add_option("--camera", index_, "Which camera")
         ->check(CLI::NonNegativeNumber);
-    fault(parent, "lose-ball", "No camera sees the ball",
-          c3rt_v1_FAULT_LOSE_BALL, c3rt_v1_PROCESS_VISION);
-    fault(parent, "stall", "A process stops answering", c3rt_v1_FAULT_STALL,
-          std::nullopt);
-    fault(parent, "nan", "A process writes NaN", c3rt_v1_FAULT_NAN,
-          std::nullopt);
-    fault(parent, "none", "Ends every fault of a process", c3rt_v1_FAULT_NONE,
-          std::nullopt);
+    fault(parent, "lose-ball", "No camera sees the ball", c3rt_v1_FAULT_LOSE_BALL,
+          c3rt_v1_PROCESS_VISION);
+    fault(parent, "stall", "A process stops answering", c3rt_v1_FAULT_STALL, std::nullopt);
+    fault(parent, "nan", "A process writes NaN", c3rt_v1_FAULT_NAN, std::nullopt);
+    fault(parent, "none", "Ends every fault of a process", c3rt_v1_FAULT_NONE, std::nullopt);
   }
 
-  CLI::App *target(CLI::App &parent, const std::string &name,
-                   const std::string &description, c3rt_v1_TargetKind kind) {
-    CLI::App *added = command(parent, name, description, [this, kind] {
+  CLI::App* target(CLI::App& parent, const std::string& name, const std::string& description,
+                   c3rt_v1_TargetKind kind) {
+    CLI::App* added = command(parent, name, description, [this, kind] {
       wire::TaskTarget sample{};
       sample.kind = kind;
       sample.center_m[0] = position_m_[0];
@@ -269,86 +240,68 @@ private:
   }
 
   void add_targets() {
-    CLI::App &parent =
-        *app_.add_subcommand("target", "Gives the planner another task");
+    CLI::App& parent = *app_.add_subcommand("target", "Gives the planner another task");
     parent.require_subcommand(1);
-    CLI::App *circle = target(parent, "circle", "A circle on the table",
-                              c3rt_v1_TARGET_CIRCLE);
-    circle->add_option("--center", position_m_, "x and y [m]")
-        ->expected(2)
-        ->capture_default_str();
+    CLI::App* circle = target(parent, "circle", "A circle on the table", c3rt_v1_TARGET_CIRCLE);
+    circle->add_option("--center", position_m_, "x and y [m]")->expected(2)->capture_default_str();
     circle->add_option("--radius", radius_m_, "[m]")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     circle
-        ->add_option(
-            "--lead-deg", lead_deg_,
-            "How far ahead the target runs; positive is clockwise from above")
+        ->add_option("--lead-deg", lead_deg_,
+                     "How far ahead the target runs; positive is clockwise from above")
         ->capture_default_str();
     target(parent, "point", "A point on the table", c3rt_v1_TARGET_POINT)
         ->add_option("position", position_m_, "x and y [m]")
         ->expected(2)
         ->required();
     target(parent, "hold", "Stay where it is", c3rt_v1_TARGET_HOLD);
-    target(parent, "scenario", "Back to the scenario's own task",
-           c3rt_v1_TARGET_SCENARIO);
+    target(parent, "scenario", "Back to the scenario's own task", c3rt_v1_TARGET_SCENARIO);
   }
 
   void add_tools() {
     add_seat(*command(app_, "topics", "Every topic, and how many write it now",
                       [this] { return cli::print_topics(seat_); }),
              seat_);
-    CLI::App *echo =
-        command(app_, "echo", "Samples of a topic as JSON, one a line",
-                [this] { return cli::echo(seat_, topic_, count_); });
-    CLI::App *hz =
-        command(app_, "hz", "Rate, jitter and losses of a topic",
-                [this] { return cli::measure_rate(seat_, topic_, count_); });
-    for (CLI::App *tool : {echo, hz}) {
+    CLI::App* echo = command(app_, "echo", "Samples of a topic as JSON, one a line",
+                             [this] { return cli::echo(seat_, topic_, count_); });
+    CLI::App* hz = command(app_, "hz", "Rate, jitter and losses of a topic",
+                           [this] { return cli::measure_rate(seat_, topic_, count_); });
+    for (CLI::App* tool : {echo, hz}) {
       add_seat(*tool, seat_);
-      tool->add_option("topic", topic_,
-                       "Name of a topic: c3rt topics lists them")
-          ->required();
-      tool->add_option("--count,-n", count_,
-                       "Lines to print; 0: until interrupted")
+      tool->add_option("topic", topic_, "Name of a topic: c3rt topics lists them")->required();
+      tool->add_option("--count,-n", count_, "Lines to print; 0: until interrupted")
           ->check(CLI::NonNegativeNumber);
     }
   }
 
   void add_library() {
-    CLI::App *solve = command(
-        app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
-        [this] { return cli::solve(problem_, out_); });
-    solve
-        ->add_option("problem", problem_,
-                     "Problem file (JSON): docs/problem_files.md")
+    CLI::App* solve =
+        command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
+                [this] { return cli::solve(problem_, out_); });
+    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")
         ->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
     add_bench();
   }
 
   void add_bench() {
-    CLI::App *bench = command(
-        app_, "bench", "Benchmarks, each beside its baseline in the same run",
-        [this]() -> int { cli::bench(bench_); });
+    CLI::App* bench = command(app_, "bench", "Benchmarks, each beside its baseline in the same run",
+                              [this]() -> int { cli::bench(bench_); });
     bench->add_option("name", bench_.name, "Which: c3 or vision")
         ->check(CLI::IsMember(cli::bench_names()))
         ->capture_default_str();
-    bench->add_option(
-        "--filter", bench_.filter,
-        "Regular expression of the benchmarks to run: solve/1_ball");
+    bench->add_option("--filter", bench_.filter,
+                      "Regular expression of the benchmarks to run: solve/1_ball");
     bench
         ->add_option("--repetitions", bench_.repetitions,
                      "Times each; the table then has mean and median")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    bench->add_option("--json", bench_.json,
-                      "File of the results, beside the table");
+    bench->add_option("--json", bench_.json, "File of the results, beside the table");
   }
 
-  CLI::App app_{
-      "c3rt: contact-implicit model predictive control as a real-time service",
-      "c3rt"};
+  CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
   LaunchOptions launch_, up_, serve_;
   cli::Seat seat_;
@@ -365,22 +318,22 @@ private:
   cli::BenchSettings bench_;
 };
 
-} // namespace
+}  // namespace
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   const wire::StopFlag stop_flag;
   try {
     return CommandLine().run(argc, argv);
-  } catch (const cli::ProcessFailure &error) {
+  } catch (const cli::ProcessFailure& error) {
     fmt::print(stderr, "c3rt: error: {}\n", error.what());
     return cli::kProcessFailed;
-  } catch (const cli::UsageError &error) {
+  } catch (const cli::UsageError& error) {
     fmt::print(stderr, "c3rt: error: {}\n", error.what());
     return cli::kUsage;
-  } catch (const config::ConfigError &error) {
+  } catch (const config::ConfigError& error) {
     fmt::print(stderr, "c3rt: error: {}\n", error.what());
     return cli::kUsage;
-  } catch (const std::exception &error) {
+  } catch (const std::exception& error) {
     fmt::print(stderr, "c3rt: error: {}\n", error.what());
     return cli::kProcessFailed;
   }
