@@ -2,7 +2,9 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,8 @@
 
 #include "cli/bench.hpp"
 #include "cli/client.hpp"
+#include "cli/example/run.hpp"
+#include "cli/example/scenario.hpp"
 #include "cli/launch.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
@@ -26,21 +30,17 @@ constexpr double kDegree = M_PI / 180.0;  // [rad]
 
 constexpr const char* kExamples =
     "Examples:\n"
-    "  c3rt run circle_slow --clock lockstep          three circles in "
-    "simulated time, report and "
+    "  c3rt run circle_slow --clock lockstep          three circles in simulated time, report and "
     "pictures\n"
-    "  c3rt run circle_vision --seed 7 --out out/v7   in real time, with three "
-    "cameras\n"
+    "  c3rt run circle_vision --seed 7 --out out/v7   in real time, with three cameras\n"
     "  c3rt run circle_slow --set planner.c3.admm_iterations=2\n"
+    "  c3rt run cart_pole --set c3.projection=miqp    a numerical example of the paper\n"
     "  c3rt up circle_fast; c3rt status; c3rt target hold; c3rt down\n"
     "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
-    "  c3rt solve problem.json --out result.json      one C3 call on your own "
-    "system\n"
-    "  c3rt bench c3 --filter solve/1_ball            how fast it is on this "
-    "machine\n"
+    "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
+    "  c3rt bench c3 --filter solve/1_ball            how fast it is on this machine\n"
     "  c3rt fault push-ball --impulse 0.005 0 0\n"
-    "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 "
-    "usage or configuration "
+    "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 usage or configuration "
     "error,\n"
     "3 a process failed.";
 
@@ -50,6 +50,7 @@ struct LaunchOptions {
   double duration_s = 0.0;
 
   void add_to(CLI::App& command) {
+    command_ = &command;
     command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
         ->required();
     command.add_option("--clock", clock_, "realtime or lockstep")
@@ -84,6 +85,24 @@ struct LaunchOptions {
     return settings;
   }
 
+  /// The same for a numerical example, if the scenario is one.
+  /// @throws UsageError, config::ConfigError
+  std::optional<cli::ExampleSettings> read_example() const {
+    const std::filesystem::path file = cli::scenario_path(settings.scenario);
+    if (!cli::is_example(file)) return std::nullopt;
+    for (const char* option : {"--clock", "--domain", "--dds"}) {
+      if (command_->count(option) > 0) {
+        throw cli::UsageError(fmt::format(
+            "{}: {} is a numerical example: it runs in this process, in its own time, without a bus",
+            option, settings.scenario));
+      }
+    }
+    cli::ExampleSettings example{file, settings.seed, settings.overrides, settings.out};
+    if (duration_s > 0.0)
+      example.overrides.push_back(fmt::format("control.duration_s={}", duration_s));
+    return example;
+  }
+
   /// The same again, for the supervisor that is started anew.
   std::vector<std::string> words() const {
     std::vector<std::string> words{"serve",
@@ -98,6 +117,7 @@ struct LaunchOptions {
   }
 
  private:
+  CLI::App* command_ = nullptr;
   std::string clock_ = "realtime";
 };
 
@@ -149,7 +169,11 @@ class CommandLine {
   void add_running() {
     launch_.add_to(*command(app_, "run",
                             "One run from start to report: exits with the criteria's verdict",
-                            [this] { return cli::run(launch_.read("run")); }));
+                            [this] {
+                              if (const auto example = launch_.read_example())
+                                return cli::run_example(*example, &wire::StopFlag::requested);
+                              return cli::run(launch_.read("run"));
+                            }));
     up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
       const cli::LaunchSettings settings = up_.read("up");
       return cli::up(settings, up_.words());
@@ -166,8 +190,7 @@ class CommandLine {
   }
 
   void add_requests() {
-    // the plant holds the robot's own errors, the others their part of standing
-    // still
+    // the plant holds the robot's own errors, the others their part of standing still
     const auto add = [this](const char* name, const char* description, c3rt_v1_RequestVerb verb) {
       CLI::App* added = command(app_, name, description, [this, verb] {
         return cli::request(
@@ -276,11 +299,9 @@ class CommandLine {
   }
 
   void add_library() {
-    CLI::App* solve =
-        command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
-                [this] { return cli::solve(problem_, out_); });
-    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")
-        ->required();
+    CLI::App* solve = command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
+                              [this] { return cli::solve(problem_, out_); });
+    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
     add_bench();
   }
@@ -293,9 +314,8 @@ class CommandLine {
         ->capture_default_str();
     bench->add_option("--filter", bench_.filter,
                       "Regular expression of the benchmarks to run: solve/1_ball");
-    bench
-        ->add_option("--repetitions", bench_.repetitions,
-                     "Times each; the table then has mean and median")
+    bench->add_option("--repetitions", bench_.repetitions,
+                      "Times each; the table then has mean and median")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     bench->add_option("--json", bench_.json, "File of the results, beside the table");
