@@ -53,7 +53,7 @@ PaperTime paper_solve(const Problem& p, const State& state) {
     qps.stop();
     if (i + 1 == p.settings.admm_iterations) break;
     for (int k = 0; k < sizes.N; ++k) {
-      if (index++ % step == 0) {
+      if (index++ % step == 0 && projections.seconds() < kTimedSeconds) {
         projections.start();
         (void)paper->project(z.col(k) + w.col(k), copy, {});
         projections.stop();
@@ -99,10 +99,12 @@ double paper_projection_time(const Problem& problem, const State& state, const M
   const Eigen::Index step = (v.cols() + kTimedProjections - 1) / kTimedProjections;
   int timed = 0;
   const double start = thread_seconds();
-  for (Eigen::Index k = 0; k < v.cols(); k += step, ++timed) {
+  double seconds = 0.0;
+  for (Eigen::Index k = 0; k < v.cols() && seconds < kTimedSeconds; k += step, ++timed) {
     (void)projection->project(v.col(k), delta, {});
+    seconds = thread_seconds() - start;
   }
-  return (thread_seconds() - start) / timed;
+  return seconds / timed;
 }
 
 std::optional<PaperTime> paper_solve_time(const Problem& problem) {

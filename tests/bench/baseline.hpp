@@ -30,10 +30,13 @@ std::unique_ptr<c3rt::c3::Projection> make_paper_projection(const c3rt::c3::Size
 /// A new OSQP with its own default settings.
 std::unique_ptr<c3rt::c3::QpStep> make_paper_qp(const c3rt::c3::Sizes& sizes);
 
-/// Mean time of the paper's projection of columns of v, of at most kTimedProjections evenly spread
-/// ones. Needs a general MIQP solver.
-double paper_projection_time(const Problem& problem, const State& state, const Eigen::MatrixXd& v);
+/// General MIQP solvers take up to seconds for one projection: of those of a problem at most this
+/// many are timed, evenly spread, and no more once this time has gone by [s].
 constexpr int kTimedProjections = 40;
+constexpr double kTimedSeconds = 2.0;
+
+/// Mean time of the paper's projection of columns of v. Needs a general MIQP solver.
+double paper_projection_time(const Problem& problem, const State& state, const Eigen::MatrixXd& v);
 
 /// Algorithm 1 in that configuration, the same QPs and rounds of projections as c3::Solver. Every
 /// QP is timed; of the projections at most kTimedProjections, evenly spread: the others are

@@ -225,6 +225,7 @@ void solve(benchmark::State& state, const std::string& problem_name, ProjectionK
       Counter(N, Counter::kIsIterationInvariantRate | Counter::kInvert);  // [s]
   if (const auto paper = bench::paper_solve_time(baseline_problem(problem_name, N))) {
     state.counters["baseline_qp_s"] = paper->qp;
+    state.counters["timed"] = paper->timed_projections;
     count_speed_up(state, paper->seconds());
   }
 }
