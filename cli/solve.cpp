@@ -3,26 +3,40 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <optional>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "config/problem_file.hpp"
+#include "controller/horizon/search.hpp"
 #include "controller/rt/worker_pool.hpp"
-#ifdef C3RT_HAS_MIQP
-#include "controller/miqp/monolithic.hpp"
-#endif
+#include "idl/process.hpp"
 
 namespace c3rt::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool is_past(void* context) noexcept {
-  return Clock::now() >= *static_cast<const Clock::time_point*>(context);
-}
+constexpr std::chrono::seconds kFirstNote(2), kNoteEvery(10);
+constexpr double kGap = 1e-7;  // of the search of (15)
+
+/// Ends a solve at its deadline or at Ctrl-C, and says that it still works where it takes long.
+struct Watch {
+  Clock::time_point start = Clock::now(), end = Clock::time_point::max(), note = start + kFirstNote;
+
+  static bool reached(void* context) noexcept {
+    Watch& watch = *static_cast<Watch*>(context);
+    const Clock::time_point now = Clock::now();
+    if (now >= watch.note) {
+      std::fprintf(stderr, "c3rt: solving since %.0f s; Ctrl-C ends with the best so far\n",
+                   std::chrono::duration<double>(now - watch.start).count());
+      watch.note = now + kNoteEvery;
+    }
+    return now >= watch.end || wire::StopFlag::requested();
+  }
+};
 
 /// A column is one number: the whole answer in a few lines.
 void print_summary(const config::ProblemResult& result) {
@@ -54,20 +68,17 @@ struct Answer {
   bool found;
 };
 
-#ifdef C3RT_HAS_MIQP
-Answer solve_monolithic(const config::ProblemFile& problem, const std::string&) {
+/// (15) by the exact search over the horizon; big-M has no part in it.
+Answer solve_monolithic(const config::ProblemFile& problem, const c3::Deadline& deadline) {
   const Clock::time_point start = Clock::now();
-  miqp::MonolithicSettings settings;
-  settings.big_m = problem.big_M;
-  if (problem.deadline_s) settings.solver.max_seconds = *problem.deadline_s;
-  const miqp::MonolithicResult found =
-      miqp::solve_monolithic({problem.sizes,
-                              {problem.lcs.data(), problem.lcs.size() == 1 ? 0 : 1},
-                              &problem.costs,
-                              &problem.constraints,
-                              problem.x_desired,
-                              problem.x0},
-                             settings);
+  const horizon::SearchResult found =
+      horizon::search({problem.sizes,
+                       {problem.lcs.data(), problem.lcs.size() == 1 ? 0 : 1},
+                       &problem.costs,
+                       &problem.constraints,
+                       problem.x_desired,
+                       problem.x0},
+                      {std::numeric_limits<long>::max(), kGap}, {}, deadline);
   const double solve_time_s = std::chrono::duration<double>(Clock::now() - start).count();
   const c3::Sizes& s = problem.sizes;
   config::ProblemResult result{"",
@@ -78,31 +89,21 @@ Answer solve_monolithic(const config::ProblemFile& problem, const std::string&) 
                                0.0,
                                static_cast<int>(found.nodes),
                                solve_time_s};
-  const bool has_plan =
-      found.status == miqp::Status::kOptimal || found.status == miqp::Status::kFeasible;
-  if (has_plan) {
-    result.status = found.status == miqp::Status::kOptimal ? "ok" : "truncated";
-    result.x = found.plan.x;
-    result.lambda = found.plan.lambda;
-    result.u = found.plan.u;
-    result.objective = found.plan.objective;
-    result.complementarity_violation = found.plan.complementarity_violation;
+  if (found.plan) {
+    result.status = found.is_proven ? "ok" : "truncated";
+    result.x = found.plan->x;
+    result.lambda = found.plan->lambda;
+    result.u = found.plan->u;
+    result.objective = found.plan->objective;
+    result.complementarity_violation = found.plan->complementarity_violation;
   } else {
-    result.status = found.status == miqp::Status::kInfeasible
-                        ? "fail: there is no point with lambda and gaps up to params.M"
-                        : "fail: the MIQP solver ended without a point";
+    result.status = found.is_proven ? "fail: no trajectory meets the constraints"
+                                    : "fail: the search ended before it found a trajectory";
   }
-  return {result, config::to_json(problem, result, {}), has_plan};
+  return {result, config::to_json(problem, result, {}), found.plan.has_value()};
 }
-#else
-Answer solve_monolithic(const config::ProblemFile&, const std::string& path) {
-  throw UsageError(path +
-                   ": method: expected C3, got \"MIQP15\": this build has no MIQP solver (Debian: "
-                   "coinor-libbonmin-dev, then configure again)");
-}
-#endif
 
-Answer solve_c3(const config::ProblemFile& problem) {
+Answer solve_c3(const config::ProblemFile& problem, const c3::Deadline& deadline) {
   rt::WorkerPool pool(problem.threads);
   c3::Parallel parallel;
   if (problem.threads > 1) parallel = {&rt::WorkerPool::run_on, &pool, problem.threads};
@@ -110,13 +111,6 @@ Answer solve_c3(const config::ProblemFile& problem) {
   solver.set_costs(problem.costs, problem.constraints);
 
   const Clock::time_point start = Clock::now();
-  Clock::time_point end = start;
-  c3::Deadline deadline;
-  if (problem.deadline_s) {
-    end += std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(std::min(*problem.deadline_s, 1e6)));
-    deadline = {&is_past, &end};
-  }
   const c3::Solution& solution =
       problem.lcs.size() == 1
           ? solver.solve(problem.lcs.front(), problem.x0, problem.x_desired, deadline)
@@ -132,8 +126,16 @@ Answer solve_c3(const config::ProblemFile& problem) {
 
 int solve(const std::string& path, const std::string& out) {
   const config::ProblemFile problem = config::load_problem(path);
-  const Answer answer = problem.method == config::Method::kMiqp15 ? solve_monolithic(problem, path)
-                                                                  : solve_c3(problem);
+  Watch watch;
+  if (problem.deadline_s) {
+    watch.end =
+        watch.start + std::chrono::duration_cast<Clock::duration>(
+                          std::chrono::duration<double>(std::min(*problem.deadline_s, 1e6)));
+  }
+  const c3::Deadline deadline{&Watch::reached, &watch};
+  const Answer answer = problem.method == config::Method::kMiqp15
+                            ? solve_monolithic(problem, deadline)
+                            : solve_c3(problem, deadline);
   write(answer.json, out);
   print_summary(answer.result);
   return answer.found ? kDone : kCriterionFailed;

@@ -22,8 +22,8 @@ function(refuse pattern expression why)
   endforeach()
 endfunction()
 
-set(except "load_parameters|_main\\.cpp|/service\\.|/servo\\.")
-foreach(room lcs c3 horizon miqp model impedance planner)
+set(except "load_parameters|load_settings|load_experiment|_main\\.cpp|/service\\.|/servo\\.")
+foreach(room lcs c3 horizon miqp model example impedance planner)
   refuse(controller/${room}/ "<dds/|\"idl/|\"config/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco"
     "a pure room may not")
 endforeach()
@@ -34,6 +34,7 @@ refuse(controller/c3/ "\"controller/(model|impedance|planner|rt)/" "dependency r
 refuse(controller/horizon/ "\"controller/(miqp|model|impedance|planner|rt)/" "dependency runs the other way")
 refuse(controller/miqp/ "\"controller/(model|impedance|planner|rt)/" "dependency runs the other way")
 refuse(controller/model/ "\"controller/(c3|impedance|planner|rt)/" "dependency runs the other way")
+refuse(controller/example/ "\"controller/(impedance|planner|rt)/" "dependency runs the other way")
 
 set(except "_main\\.cpp|scenario\\.")
 refuse(plant_emulator/ "\"(controller/(lcs|c3|model|impedance|planner)|vision)/" "the plant knows no controller")
