@@ -1,5 +1,7 @@
 #include "controller/c3/interior_point_qp.hpp"
 
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "tests/controller/c3/qp_problem.hpp"
@@ -75,6 +77,50 @@ TEST_CASE("interior point: OSQP, however precise, finds the same") {
     CHECK(answer.report.status == QpStatus::kSolved);
     CHECK(osqp.report.status == QpStatus::kSolved);
     CHECK(error(p, answer, osqp) < 1e-6);
+  }
+}
+
+TEST_CASE("interior point: weights that differ by up to 1e8 between coordinates are no obstacle") {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    Problem p = constrained(seed);
+    support::Random random(seed + 9);
+    const auto scale = [&](MatrixXd& weight) {
+      for (Eigen::Index i = 0; i < weight.rows(); ++i) {
+        const double factor = std::pow(10.0, 2.0 * random.uniform());
+        weight.row(i) *= factor;
+        weight.col(i) *= factor;
+      }
+    };
+    for (int k = 0; k < p.sizes.N; ++k) {
+      scale(p.costs.Q[k]);
+      scale(p.costs.R[k]);
+      scale(p.W[k]);
+    }
+    const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
+    const Reference expected = reference(p, &answer);
+    CAPTURE(seed, answer.report.iterations, answer.report.residual, expected.active);
+    CHECK(answer.report.status == QpStatus::kSolved);
+    CHECK(error(p, answer, expected) < 1e-8);
+    CHECK(expected.wrong < 1e-7);
+  }
+}
+
+TEST_CASE("interior point: equal bounds are met, alone and beside others") {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Problem p = constrained(seed);
+    const Answer point = random_point(p, seed + 1000);
+    // the last state where the point's is, as far as the inputs are enough to lead there
+    p.constraints.x_N_min = VectorXd::Constant(p.sizes.n_x, -kNone);
+    p.constraints.x_N_max = VectorXd::Constant(p.sizes.n_x, kNone);
+    const int fixed = std::min(p.sizes.n_x, p.sizes.n_u);
+    p.constraints.x_N_min.head(fixed) = p.constraints.x_N_max.head(fixed) = point.x_N.head(fixed);
+    const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
+    const Reference expected = reference(p, &answer);
+    CAPTURE(seed, answer.report.iterations, answer.report.residual, expected.active);
+    CHECK(answer.report.status == QpStatus::kSolved);
+    CHECK((answer.x_N - point.x_N).head(fixed).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK(error(p, answer, expected) < 1e-9);
+    CHECK(expected.wrong < 1e-8);
   }
 }
 
