@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Householder>
 
 #include "controller/c3/node_qp.hpp"
 #include "controller/c3/pair_rows.hpp"
@@ -35,7 +36,10 @@ class AdmmProjection final : public Projection {
         n_(sizes.n_lambda),
         M_(sizes.n_z(), sizes.n_z()),
         eigen_(sizes.n_z()),
+        V_(sizes.n_z(), sizes.n_z()),
         T_(sizes.n_z(), sizes.n_z()),
+        tau_(sizes.n_z()),
+        off_diagonal_(sizes.n_z() - 1),
         rows_(sizes),
         turned_(2 * n_),
         qp_(sizes.n_z(), 2 * n_) {
@@ -55,11 +59,11 @@ class AdmmProjection final : public Projection {
     // λᵀ y is the sum of the products of two rows each
     rows_.C.noalias() = L_inverse_ * rows_.J.transpose();
     const auto C_lambda = rows_.C.leftCols(n_), C_y = rows_.C.rightCols(n_);
-    M_.noalias() = 0.5 * C_lambda * C_y.transpose();
-    M_.noalias() += 0.5 * C_y * C_lambda.transpose();
-    eigen_.compute(M_);
-    curvature_ = eigen_.eigenvalues();
-    T_.noalias() = L_inverse_.transpose() * eigen_.eigenvectors();
+    M_.noalias() = C_lambda * C_y.transpose();
+    for (Eigen::Index i = 0; i < M_.rows(); ++i) {
+      for (Eigen::Index j = 0; j <= i; ++j) M_(i, j) = M_(j, i) = 0.5 * (M_(i, j) + M_(j, i));
+    }
+    diagonalise();
     rows_.C.noalias() = T_.transpose() * rows_.J.transpose();
     rows_.normalise();
   }
@@ -69,7 +73,8 @@ class AdmmProjection final : public Projection {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
     if (eigen_.info() != Eigen::Success) return {ProjectionStatus::kNone, 0, 0.0};
-    const double magnitude = rows_.evaluate(v);
+    rows_.evaluate(v);
+    const double magnitude = rows_.largest;
     linearise();
     h_.setZero();
     omega_.setZero();
@@ -114,15 +119,46 @@ class AdmmProjection final : public Projection {
   }
 
  private:
+  /// curvature ← the eigenvalues of M, T ← L⁻ᵀ times its eigenvectors. By hand to the tridiagonal
+  /// matrix and back: Eigen's way from M itself takes from the heap.
+  void diagonalise() noexcept {
+    const Eigen::Index size = M_.rows();
+    for (Eigen::Index k = 0; k + 1 < size; ++k) {
+      const Eigen::Index rest = size - k - 1;
+      // M ← P M P with P = I − τ r rᵀ, r(0) = 1 [Golub, Van Loan: Matrix computations, 8.3.1]
+      auto r = M_.col(k).tail(rest);
+      r.makeHouseholderInPlace(tau_[k], off_diagonal_[k]);
+      r[0] = 1.0;
+      auto block = M_.bottomRightCorner(rest, rest);
+      auto w = a_.head(rest);
+      w.noalias() = block * r;
+      w *= tau_[k];
+      w -= (0.5 * tau_[k] * w.dot(r)) * r;
+      for (Eigen::Index j = 0; j < rest; ++j) block.col(j) -= w[j] * r + r[j] * w;
+    }
+    h_ = M_.diagonal();
+    eigen_.computeFromTridiagonal(h_, off_diagonal_);
+    curvature_ = eigen_.eigenvalues();
+    V_ = eigen_.eigenvectors();
+    for (Eigen::Index k = size - 2; k >= 0; --k) {
+      const auto r = M_.col(k).tail(size - k - 1);
+      auto block = V_.bottomRows(size - k - 1);
+      for (Eigen::Index j = 0; j < size; ++j) block.col(j) -= (tau_[k] * r.dot(block.col(j))) * r;
+    }
+    T_.noalias() = L_inverse_.transpose() * V_;
+  }
+
   /// λᵀ y at v and its gradient in h.
   void linearise() noexcept {
     q_0_ = 0.0;
     g_.setZero();
     for (int i = 0; i < n_; ++i) {
-      const double lambda = rows_.t[i] / rows_.scale[i], y = rows_.t[n_ + i] / rows_.scale[n_ + i];
+      const double lambda = rows_.t[i] / rows_.scale[i];
+      const bool constant = rows_.scale[n_ + i] == 0.0;
+      const double y = constant ? (*rows_.c)[i] : rows_.t[n_ + i] / rows_.scale[n_ + i];
       q_0_ += lambda * y;
       g_ += (y / rows_.scale[i]) * rows_.C.col(i);
-      g_ += (lambda / rows_.scale[n_ + i]) * rows_.C.col(n_ + i);
+      if (!constant) g_ += (lambda / rows_.scale[n_ + i]) * rows_.C.col(n_ + i);
     }
   }
 
@@ -142,7 +178,8 @@ class AdmmProjection final : public Projection {
   MatrixXd U_, L_inverse_;  // U = L Lᵀ
   MatrixXd M_;              // L⁻¹ P L⁻ᵀ with λᵀ y = δᵀ P δ + …
   Eigen::SelfAdjointEigenSolver<MatrixXd> eigen_;  // of M
-  MatrixXd T_;                                     // L⁻ᵀ and the eigenvectors
+  MatrixXd V_, T_;                                 // its eigenvectors, L⁻ᵀ V
+  VectorXd tau_, off_diagonal_;
   PairRows rows_;
   VectorXd turned_;  // rows_.t at the target of the QP
   NodeQp qp_;

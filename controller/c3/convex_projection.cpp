@@ -65,7 +65,8 @@ class ConvexProjection final : public Projection {
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
     if (!is_convex_) return {ProjectionStatus::kNone, 0, 0.0};
     sizes_.lambda(delta) *= alpha_;
-    const double tolerance = kFeasible * rows_.evaluate(delta);
+    rows_.evaluate(delta);
+    const double tolerance = kFeasible * rows_.largest;
     qp_.start(rows_.t);
     if (qp_.solve(rows_.C, rows_.t, tolerance, kInfinity) != NodeQp::Status::kSolved) {
       delta = v;

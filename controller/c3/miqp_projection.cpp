@@ -60,7 +60,8 @@ class MiqpProjection final : public Projection {
                            const Deadline& deadline) noexcept override {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
-    magnitude_ = rows_.evaluate(v);
+    rows_.evaluate(v);
+    magnitude_ = rows_.largest;
     best_objective_ = kInfinity;
     n_nodes_ = 0;
     stuck_ = false;
@@ -73,7 +74,12 @@ class MiqpProjection final : public Projection {
     if (stuck_ && stopped_by_ == ProjectionStatus::kSolved) {
       stopped_by_ = ProjectionStatus::kNodeLimit;
     }
-    return {stopped_by_, n_nodes_, finish(delta)};
+    const double objective = finish(delta);
+    if (!rows_.holds(v, delta)) {  // weights or units too far apart for the digits of δ
+      delta = v;
+      return {ProjectionStatus::kNone, n_nodes_, 0.0};
+    }
+    return {stopped_by_, n_nodes_, objective};
   }
 
  private:

@@ -1,5 +1,8 @@
 #include "controller/c3/pair_rows.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Cholesky>
 
 namespace c3rt::c3 {
@@ -28,18 +31,48 @@ void PairRows::assign(const lcs::Lcs& lcs) noexcept {
 }
 
 void PairRows::normalise() noexcept {
+  n_constant = 0;
   for (Eigen::Index i = 0; i < C.cols(); ++i) {
     const double length = C.col(i).norm();
-    scale[i] = length > 0.0 ? 1.0 / length : 1.0;
+    scale[i] = length > 0.0 ? 1.0 / length : 0.0;
+    n_constant += length == 0.0;
     C.col(i) *= scale[i];
   }
 }
 
-double PairRows::evaluate(const Eigen::Ref<const Eigen::VectorXd>& v) noexcept {
+void PairRows::evaluate(const Eigen::Ref<const Eigen::VectorXd>& v) noexcept {
   t.noalias() = J * v;
   t.tail(sizes.n_lambda) += *c;
-  t.array() *= scale.array();
-  return t.cwiseAbs().maxCoeff();
+  largest = 0.0;
+  for (Eigen::Index i = 0; i < t.size(); ++i) {
+    if (scale[i] == 0.0) continue;
+    t[i] *= scale[i];
+    largest = std::max(largest, std::abs(t[i]));
+  }
+  if (n_constant == 0) return;
+  // no δ changes these: beside all others they are clearly open, closed or out of reach
+  if (largest == 0.0) largest = 1.0;
+  for (Eigen::Index i = 0; i < t.size(); ++i) {
+    if (scale[i] == 0.0 && t[i] != 0.0) t[i] = std::copysign(largest, t[i]);
+  }
+}
+
+bool PairRows::holds(const Eigen::Ref<const Eigen::VectorXd>& v,
+                     const Eigen::Ref<const Eigen::VectorXd>& delta) noexcept {
+  const int n = sizes.n_lambda;
+  for (int i = 0; i < n; ++i) {
+    const auto row = J.row(n + i);
+    double y = (*c)[i], terms = std::abs(y);
+    for (Eigen::Index j = 0; j < row.size(); ++j) {
+      y += row[j] * delta[j];
+      terms += std::abs(row[j]) * (std::abs(delta[j]) + std::abs(v[j]));
+    }
+    const double way = scale[n + i] > 0.0 ? largest / scale[n + i] : 0.0;
+    const double closed = kInSet * (terms + way);
+    const bool is_closed = std::abs(y) <= closed;
+    if (!(is_closed || (y > 0.0 && delta[sizes.n_x + i] == 0.0))) return false;
+  }
+  return true;
 }
 
 Eigen::MatrixXd definite(const Eigen::MatrixXd& U) {

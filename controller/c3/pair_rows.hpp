@@ -17,14 +17,24 @@ struct PairRows {
   void assign(const lcs::Lcs& lcs) noexcept;
   /// Divides the columns of C = (J T)ᵀ, which the caller has just written, by their lengths.
   void normalise() noexcept;
-  /// t ← the divided functionals at `v`. Returns the largest.
-  double evaluate(const Eigen::Ref<const Eigen::VectorXd>& v) noexcept;
+  /// t ← the divided functionals at `v`; of a functional that is constant only the sign, with the
+  /// size of the largest.
+  void evaluate(const Eigen::Ref<const Eigen::VectorXd>& v) noexcept;
+
+  /// Whether every pair of `delta`, whose forces are not negative, has an open side and a closed
+  /// one or two closed ones: a force that is 0, a gap that is it within kInSet of its terms at v
+  /// and delta or of the way that `evaluate` (the last call) found to the farthest row.
+  bool holds(const Eigen::Ref<const Eigen::VectorXd>& v,
+             const Eigen::Ref<const Eigen::VectorXd>& delta) noexcept;
+  static constexpr double kInSet = 1e-9;
 
   Sizes sizes;
   Eigen::MatrixXd J;      // [0 I 0; E F H] (2 n_lambda × n_z)
   Eigen::MatrixXd C;      // (n_z × 2 n_lambda) columns of length 1, or 0
-  Eigen::VectorXd scale;  // 1/length that they had, 1 if 0
+  Eigen::VectorXd scale;  // 1/length that they had, 0 if that was 0
+  int n_constant = 0;     // columns of length 0
   Eigen::VectorXd t;
+  double largest = 0.0;  // |t_i|
   const Eigen::VectorXd* c = nullptr;
 };
 

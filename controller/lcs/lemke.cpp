@@ -12,37 +12,72 @@ constexpr double kPivotTolerance = 1e-11;
 constexpr double kTieTolerance = 1e-12;
 // A basis whose λ misses the problem by more than this (beside max(1, |q|)) is not called solved.
 constexpr double kResidualTolerance = 1e-7;
+// A row that is missed by less than this part of its terms needs no second attempt.
+constexpr double kExact = 1e-10;
 
-double natural_residual(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                        const Eigen::Ref<const Eigen::VectorXd>& q,
-                        const Eigen::Ref<const Eigen::VectorXd>& lambda, double epsilon) {
-  double worst = 0.0;
+struct Residual {
+  double natural;   // max |min(λ, y)|
+  double relative;  // what misses complementarity, beside the terms of its row
+};
+
+Residual residual(const Eigen::Ref<const Eigen::MatrixXd>& F,
+                  const Eigen::Ref<const Eigen::VectorXd>& q,
+                  const Eigen::Ref<const Eigen::VectorXd>& lambda, double epsilon) noexcept {
+  Residual worst{0.0, 0.0};
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const double y = F.row(i).dot(lambda) + epsilon * lambda[i] + q[i];
-    worst = std::max(worst, std::abs(std::min(lambda[i], y)));
+    double y = q[i] + epsilon * lambda[i], terms = std::abs(q[i]) + epsilon * lambda[i];
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      y += F(i, j) * lambda[j];
+      terms += std::abs(F(i, j) * lambda[j]);
+    }
+    worst.natural = std::max(worst.natural, std::abs(std::min(lambda[i], y)));
+    const double missing = lambda[i] > 0.0 ? std::abs(y) : std::max(-y, 0.0);
+    if (missing > worst.relative * terms) worst.relative = missing / terms;
   }
   return worst;
 }
 
 }  // namespace
 
-Lemke::Lemke(int size) : size_(size), tableau_(size, 2 * size + 2), basis_(size), q_(size) {}
+Lemke::Lemke(int size)
+    : size_(size),
+      tableau_(size, 2 * size + 2),
+      basis_(size),
+      q_(size),
+      first_(size),
+      row_(Eigen::VectorXd::Ones(size)),
+      column_(Eigen::VectorXd::Ones(size)) {}
 
 LcpReport Lemke::solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
                        const Eigen::Ref<const Eigen::VectorXd>& q,
                        Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  return attempt(F, q, 0.0, lambda);
+  LcpReport first = attempt(F, q, 0.0, false, lambda);
+  if (first.pivots == 0) return first;  // trivial, or refused
+  const auto missed = [&](const LcpReport& report) {
+    if (report.status != LcpStatus::kSolved) return HUGE_VAL;
+    return residual(F, q, lambda, 0.0).relative;
+  };
+  const double first_missed = missed(first);
+  if (first_missed <= kExact) return first;
+  first_ = lambda;
+  equilibrate(F);
+  LcpReport second = attempt(F, q, 0.0, true, lambda);
+  const bool better = missed(second) < first_missed;
+  if (!better) lambda = first_;
+  LcpReport& report = better ? second : first;
+  report.pivots = first.pivots + second.pivots;
+  return report;
 }
 
 LcpReport Lemke::solve_regularised(const Eigen::Ref<const Eigen::MatrixXd>& F,
                                    const Eigen::Ref<const Eigen::VectorXd>& q,
                                    Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  LcpReport report = attempt(F, q, 0.0, lambda);
+  LcpReport report = solve(F, q, lambda);
   if (report.status == LcpStatus::kSolved || !F.allFinite() || !q.allFinite()) return report;
   const double largest = F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0.0;
   int pivots = report.pivots;
   for (double relative = 1e-12; relative < 2e-2; relative *= 100.0) {
-    report = attempt(F, q, relative * std::max(largest, 1e-12), lambda);
+    report = attempt(F, q, relative * std::max(largest, 1e-12), false, lambda);
     pivots += report.pivots;
     report.pivots = pivots;
     if (report.status == LcpStatus::kSolved) break;
@@ -51,7 +86,7 @@ LcpReport Lemke::solve_regularised(const Eigen::Ref<const Eigen::MatrixXd>& F,
 }
 
 LcpReport Lemke::attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                         const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon,
+                         const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon, bool scaled,
                          Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   const int n = size_;
   const int z0 = 2 * n, rhs = 2 * n + 1;
@@ -68,20 +103,25 @@ LcpReport Lemke::attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
   tableau_.middleCols(n, n).diagonal().array() -= epsilon;
   tableau_.col(z0).setConstant(-1.0);
   tableau_.col(rhs) = q;
+  if (scaled) {
+    tableau_.middleCols(n, n) =
+        row_.asDiagonal() * tableau_.middleCols(n, n) * column_.asDiagonal();
+    tableau_.col(rhs).array() *= row_.array();
+  }
   for (int i = 0; i < n; ++i) basis_[i] = i;
 
   // z0 enters in the lexicographically smallest row; of equal q the last row has the smallest
   // [q | w columns], because the identity's 1 comes latest in it
   int row = 0;
   for (int i = 1; i < n; ++i) {
-    if (q[i] <= q[row]) row = i;
+    if (tableau_(i, rhs) <= tableau_(row, rhs)) row = i;
   }
   int entering = z0;
   const int pivot_limit = 50 + 20 * n;
   int pivots = 0;
   while (true) {
     if (pivots == pivot_limit) {
-      return {LcpStatus::kPivotLimit, pivots, natural_residual(F, q, lambda, 0.0), epsilon};
+      return {LcpStatus::kPivotLimit, pivots, residual(F, q, lambda, 0.0).natural, epsilon};
     }
     const int leaving = basis_[row];
     pivot(row, entering);
@@ -89,22 +129,43 @@ LcpReport Lemke::attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
     if (leaving == z0) break;
     entering = leaving < n ? leaving + n : leaving - n;  // the complement of what left
     row = leaving_row(entering);
-    if (row < 0) return {LcpStatus::kRay, pivots, natural_residual(F, q, lambda, 0.0), epsilon};
+    if (row < 0) return {LcpStatus::kRay, pivots, residual(F, q, lambda, 0.0).natural, epsilon};
   }
 
   for (int i = 0; i < n; ++i) {
-    if (basis_[i] >= n && basis_[i] < z0) {
-      lambda[basis_[i] - n] = std::max(tableau_(i, rhs), 0.0);
-    }
+    if (basis_[i] < n || basis_[i] >= z0) continue;
+    const int j = basis_[i] - n;
+    lambda[j] = std::max(tableau_(i, rhs), 0.0) * (scaled ? column_[j] : 1.0);
   }
-  const double residual = natural_residual(F, q, lambda, 0.0);
-  const double solved_residual = natural_residual(F, q, lambda, epsilon);
+  const double solved_residual = residual(F, q, lambda, epsilon).natural;
   const double limit = kResidualTolerance * std::max(1.0, q.cwiseAbs().maxCoeff());
   if (!(solved_residual <= limit)) {
     lambda.setZero();
     return {LcpStatus::kInaccurate, pivots, solved_residual, epsilon};
   }
-  return {LcpStatus::kSolved, pivots, residual, epsilon};
+  const double natural = epsilon > 0.0 ? residual(F, q, lambda, 0.0).natural : solved_residual;
+  return {LcpStatus::kSolved, pivots, natural, epsilon};
+}
+
+/// Factors that bring the geometric means of F's rows and columns near 1.
+void Lemke::equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& F) noexcept {
+  row_.setOnes();
+  column_.setOnes();
+  const auto factor = [&](int line, bool is_row) {
+    int sum = 0, count = 0;
+    for (int k = 0; k < size_; ++k) {
+      const int i = is_row ? line : k, j = is_row ? k : line;
+      const double entry = row_[i] * F(i, j) * column_[j];
+      if (entry == 0.0 || !std::isfinite(entry)) continue;
+      sum += std::ilogb(entry);
+      ++count;
+    }
+    return count > 0 ? std::ldexp(1.0, -sum / count) : 1.0;
+  };
+  for (int sweep = 0; sweep < 4; ++sweep) {
+    for (int i = 0; i < size_; ++i) row_[i] *= factor(i, true);
+    for (int j = 0; j < size_; ++j) column_[j] *= factor(j, false);
+  }
 }
 
 int Lemke::leaving_row(int entering) const noexcept {

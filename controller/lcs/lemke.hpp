@@ -35,8 +35,10 @@ class Lemke {
   /// Room of this size for a caller that computes q and has none of its own.
   Eigen::VectorXd& q() noexcept { return q_; }
 
-  /// Overwrites `lambda` with the solution, or with zero unless the report says kSolved. With a
-  /// wrong size or numbers that are not finite, kInaccurate. RT: no heap, no lock, no throw.
+  /// Overwrites `lambda` with the solution, or with zero unless the report says kSolved. Where the
+  /// problem as it is given has no answer that is exact in every row, beside the terms of that row,
+  /// it is tried again with rows and columns of F brought to the same size. With a wrong size or
+  /// numbers that are not finite, kInaccurate. RT: no heap, no lock, no throw.
   [[nodiscard]] LcpReport solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
                                 const Eigen::Ref<const Eigen::VectorXd>& q,
                                 Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
@@ -50,8 +52,9 @@ class Lemke {
 
  private:
   LcpReport attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                    const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon,
+                    const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon, bool scaled,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  void equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& F) noexcept;
   int leaving_row(int entering) const noexcept;
   void pivot(int row, int entering) noexcept;
 
@@ -59,7 +62,8 @@ class Lemke {
   int size_;
   Tableau tableau_;         // [w | λ | z0 | q] (size × (2 size + 2)); the w columns hold B⁻¹
   std::vector<int> basis_;  // column that is basic in each row
-  Eigen::VectorXd q_;
+  Eigen::VectorXd q_, first_;
+  Eigen::VectorXd row_, column_;  // factors of equilibrate, powers of 2
 };
 
 }  // namespace c3rt::lcs
