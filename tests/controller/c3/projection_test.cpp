@@ -120,13 +120,11 @@ TEST_CASE("MIQP projection: it is as near as the nearest point that enumeration 
     const Sizes sizes{1 + random.index(5), 1 + random.index(5), 1 + random.index(3), 1};
     const MatrixXd F = definite(random, sizes.n_lambda);
     const lcs::Lcs lcs = random_lcs(random, sizes, F);
-    const MatrixXd U = trial % 2 == 0 ? definite(random, sizes.n_z())
-                                      : MatrixXd(random.matrix(sizes.n_z(), 1)
-                                                     .cwiseAbs()
-                                                     .array()
-                                                     .exp()
-                                                     .matrix()
-                                                     .asDiagonal());
+    const MatrixXd U =
+        trial % 2 == 0
+            ? definite(random, sizes.n_z())
+            : MatrixXd(
+                  random.matrix(sizes.n_z(), 1).cwiseAbs().array().exp().matrix().asDiagonal());
     CAPTURE(trial);
     compare(lcs, sizes, U, 3.0 * random.vector(sizes.n_z()));
   }
@@ -140,6 +138,65 @@ TEST_CASE("MIQP projection: eight pairs, each with both modes open") {
     CAPTURE(trial);
     compare(lcs, sizes, definite(random, sizes.n_z()),
             VectorXd::Constant(sizes.n_z(), 1.0) + random.vector(sizes.n_z()));
+  }
+}
+
+TEST_CASE("MIQP projection: ten pairs, as both contact models make them") {
+  support::Random random(18);
+  for (int trial = 0; trial < 2; ++trial) {
+    const Sizes sizes{2, 10, 1, 1};
+    lcs::Lcs lcs = random_lcs(random, sizes, MatrixXd::Zero(10, 10));
+    if (trial == 0) {  // Anitescu: five contacts of two edges; F has rank 4
+      const MatrixXd normals = random.matrix(5, 4), tangents = random.matrix(5, 4);
+      MatrixXd J(10, 4);
+      J << normals + tangents, normals - tangents;
+      lcs.F = J * J.transpose();
+    } else {  // Stewart and Trinkle: two contacts, [γ; normal; four edges], slips along ±t add up
+              // to γ
+      const MatrixXd normals = random.matrix(2, 3), tangents = random.matrix(3, 3);
+      MatrixXd J(8, 3);
+      J << normals, tangents, -tangents;
+      lcs.F.block(2, 2, 8, 8) = J * J.transpose();
+      for (int edge = 0; edge < 6; ++edge) {
+        const int contact = edge % 3 == 2 ? 1 : 0;
+        lcs.F(contact, 4 + edge) = -1.0;
+        lcs.F(4 + edge, contact) = 1.0;
+      }
+      lcs.F(0, 2) = lcs.F(1, 3) = 0.7;
+      lcs.E.topRows(2).setZero();
+      lcs.H.topRows(2).setZero();
+      lcs.c.head(2).setZero();
+    }
+    CAPTURE(trial);
+    compare(lcs, sizes,
+            MatrixXd(VectorXd(2.0 * random.vector(13)).array().exp().matrix().asDiagonal()),
+            VectorXd::Constant(13, 0.3) + random.vector(13));
+  }
+}
+
+TEST_CASE("MIQP projection: directions without weight count 1e-8 of the largest") {
+  support::Random random(19);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Sizes sizes{2, 1 + random.index(4), 2, 1};
+    const lcs::Lcs lcs = random_lcs(random, sizes, definite(random, sizes.n_lambda));
+    VectorXd weights = random.vector(sizes.n_z()).array().exp();
+    for (int i = 0; i < sizes.n_z(); ++i) {
+      if (random.index(2) == 0) weights[i] = 0.0;
+    }
+    weights[0] = 3.0;
+    const MatrixXd U = weights.asDiagonal(),
+                   instead = weights.cwiseMax(1e-8 * weights.maxCoeff()).asDiagonal();
+    const VectorXd v = 2.0 * random.vector(sizes.n_z());
+    const auto projection = make_miqp_projection(sizes, 1000);
+    projection->set_weights(weighted_by(U));
+    projection->start(lcs);
+    VectorXd delta(sizes.n_z());
+    const ProjectionReport report = projection->project(v, delta, {});
+    CAPTURE(trial, weights.transpose());
+    CHECK(report.status == ProjectionStatus::kSolved);
+    const double distance = (delta - v).dot(instead * (delta - v));
+    CHECK(distance == Approx(enumerate(lcs, sizes, instead, v)).epsilon(1e-6).margin(1e-12));
+    CHECK(report.objective == Approx((delta - v).dot(U * (delta - v))).margin(1e-12));
   }
 }
 
