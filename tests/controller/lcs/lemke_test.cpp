@@ -176,6 +176,28 @@ TEST_CASE("lemke: the regularised method says which epsilon it needed, and 0 if 
   REQUIRE(residual(F + report.epsilon * MatrixXd::Identity(2, 2), contradiction, lambda) < 1e-7);
 }
 
+TEST_CASE(
+    "lemke: rows and columns in units of their own, 1e-8 to 1e8, change the units of the answer") {
+  support::Random random(8);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 1 + random.index(8);
+    const MatrixXd F = p_matrix(random, n);
+    const VectorXd q = random.vector(n);
+    VectorXd row(n), column(n), lambda(n), scaled(n);
+    for (int i = 0; i < n; ++i) {
+      row[i] = std::pow(10.0, random.uniform(-8.0, 8.0));
+      column[i] = std::pow(10.0, random.uniform(-8.0, 8.0));
+    }
+    Lemke lemke(n);
+    REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kSolved);
+    const MatrixXd scaled_F = row.asDiagonal() * F * column.asDiagonal();
+    const LcpReport report = lemke.solve(scaled_F, row.cwiseProduct(q), scaled);
+    CAPTURE(trial, n, report.pivots);
+    CHECK(report.status == LcpStatus::kSolved);
+    CHECK((column.cwiseProduct(scaled) - lambda).norm() < 1e-8 * (1.0 + lambda.norm()));
+  }
+}
+
 TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
   Lemke lemke(2);
   VectorXd lambda(2);
