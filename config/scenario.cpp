@@ -42,7 +42,10 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  Section root = Document::load(path, overrides);
+  return read_scenario(Document::load(path, overrides));
+}
+
+Scenario read_scenario(Section root) {
   if (root.has("example")) {
     root.fail("example", "no such key: a numerical example has none of the four processes",
               root.text("example") + " (c3rt run runs it)");

@@ -46,4 +46,7 @@ struct Scenario {
 /// @throws ConfigError naming file, line, key and what was expected
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// The same of a file that has been read.
+Scenario read_scenario(Section root);
+
 }  // namespace c3rt::config

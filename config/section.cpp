@@ -1,8 +1,8 @@
 #include "config/section.hpp"
 
 #include <cmath>
-#include <limits>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -87,7 +87,7 @@ void apply_override(YAML::Node& root, const std::string& file, const std::string
     if (parent.IsMap()) {
       for (const auto& entry : parent)
         if (entry.first.Scalar() == keys[i]) child.reset(entry.second);
-    } else if (parent.IsSequence() &&
+    } else if (parent.IsSequence() && !keys[i].empty() &&
                keys[i].find_first_not_of("0123456789") == std::string::npos && keys[i].size() < 6 &&
                std::stoul(keys[i]) < parent.size()) {
       child.reset(parent[std::stoul(keys[i])]);

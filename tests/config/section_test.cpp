@@ -104,6 +104,8 @@ TEST_CASE("section: an override replaces one existing key and no other") {
              Contains("--set planner.rate: no such key"));
   CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }),
              Contains("no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.balls..mass_kg=1"}); }),
+             Contains("no such key"));
   CHECK_THAT(error_of([] { (void)planner({"rate"}); }), Contains("expected key=value"));
   CHECK_THAT(
       error_of([] {
