@@ -9,7 +9,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kInSet = 1e-9;           // of the terms of a gap
-constexpr double kForceRounding = 1e-14;  // of the largest force: what a force of 0 may be instead
+constexpr double kForceRounding = 1e-12;  // of the largest force: what a force of 0 may be instead
 
 class LcpProjection final : public Projection {
  public:

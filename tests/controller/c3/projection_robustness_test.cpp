@@ -149,6 +149,9 @@ double violation(const Problem& p, const VectorXd& v, const VectorXd& delta, boo
     }
     size += farthest * length;
   }
+  if (!weighted) {  // the largest force leaves 1e-12 of itself in any other one
+    size.tail(n) += 1e-3 * s.lambda(delta).maxCoeff() * p.lcs.F.cwiseAbs().rowwise().sum();
+  }
   const VectorXd sides = J * delta + constant;
   double worst = 0.0;
   for (int i = 0; i < n; ++i) {
