@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -226,7 +227,10 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   }
   if (solution_.status == SolveStatus::kFailed) return fail(solution_.failure);
   solution_.complementarity_violation = complementarity_violation(lcs);
-  return solution_;
+  const bool finite = solution_.z.allFinite() && solution_.delta.allFinite() &&
+                      solution_.w.allFinite() &&
+                      std::isfinite(solution_.complementarity_violation);
+  return finite ? solution_ : fail(Failure::kNotFinite);
 }
 
 Failure Solver::find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0) noexcept {
@@ -360,6 +364,7 @@ double Solver::complementarity_violation(Horizon lcs) noexcept {
     y_.noalias() += lcs[k].E * sizes_.x(z_k);
     y_.noalias() += lcs[k].F * sizes_.lambda(z_k);
     y_.noalias() += lcs[k].H * sizes_.u(z_k);
+    if (!y_.allFinite()) return std::numeric_limits<double>::infinity();
     worst = std::max(worst, y_.cwiseMin(sizes_.lambda(z_k)).cwiseAbs().maxCoeff());
   }
   return worst;

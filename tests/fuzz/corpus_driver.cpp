@@ -165,7 +165,10 @@ int main(int argc, char** argv) {
   for (int i = 0; i <= last; ++i) {
     const std::string text = i < files ? corpus[static_cast<std::size_t>(i)] : mutate();
     if (only && i < last) continue;
-    if (only) std::fwrite(text.data(), 1, text.size(), stdout);
+    if (only) {
+      std::fwrite(text.data(), 1, text.size(), stdout);
+      std::fflush(stdout);  // it may not end well
+    }
     failures += run(text, i) ? 0 : 1;
   }
   std::printf("%d inputs, %d failures\n", only ? 1 : last + 1, failures);
