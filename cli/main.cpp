@@ -17,6 +17,7 @@
 #include "cli/example/scenario.hpp"
 #include "cli/launch.hpp"
 #include "cli/paths.hpp"
+#include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
@@ -39,6 +40,7 @@ constexpr const char* kExamples =
     "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
     "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
     "  c3rt bench c3 --filter solve/1_ball            how fast it is on this machine\n"
+    "  c3rt reproduce table3                          our numbers beside the paper's\n"
     "  c3rt fault push-ball --impulse 0.005 0 0\n"
     "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 usage or configuration "
     "error,\n"
@@ -147,6 +149,7 @@ class CommandLine {
     add_targets();
     add_tools();
     add_library();
+    add_reproduce();
   }
 
   int run(int argc, char** argv) {
@@ -298,6 +301,30 @@ class CommandLine {
     }
   }
 
+  void add_reproduce() {
+    CLI::App* reproduce =
+        command(app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
+                [this] { return cli::reproduce::reproduce(reproduce_, &wire::StopFlag::requested); });
+    reproduce->add_option("what", reproduce_.what, "Which table or figure")
+        ->required()
+        ->check(CLI::IsMember(cli::reproduce::names()));
+    reproduce->add_option("--out", reproduce_.out, "Folder of results; default: out/reproduce");
+    reproduce->add_flag("--quick", reproduce_.quick, "Short runs: for a look, not for numbers");
+    reproduce->add_flag("--fresh", reproduce_.fresh,
+                        "Computes everything anew; else what an earlier call finished with the "
+                        "same settings is kept");
+    reproduce
+        ->add_option("--miqp-limit", reproduce_.miqp_limit,
+                     "Time limit of each monolithic MIQP [s]")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    reproduce->footer(
+        "Examples:\n"
+        "  c3rt reproduce table3                       the projections on the cart-pole, seconds\n"
+        "  c3rt reproduce table1 --miqp-limit 60       with an hour's patience for the MIQP\n"
+        "  c3rt reproduce fig5 --out out/figures");
+  }
+
   void add_library() {
     CLI::App* solve = command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
                               [this] { return cli::solve(problem_, out_); });
@@ -324,6 +351,7 @@ class CommandLine {
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
   LaunchOptions launch_, up_, serve_;
+  cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
   std::string topic_;
   int count_ = 0;

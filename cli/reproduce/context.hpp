@@ -1,0 +1,72 @@
+#pragma once
+// What every target has: settings, scenarios, the parts that an earlier call finished, its results.
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/example/scenario.hpp"
+#include "cli/report/panels.hpp"
+#include "cli/reproduce/reproduce.hpp"
+
+namespace c3rt::cli::reproduce {
+
+using nlohmann::ordered_json;
+using Overrides = std::vector<std::string>;
+
+/// Thrown where a person's wish to end is noticed.
+struct Interrupted {};
+
+class Context {
+ public:
+  /// @throws UsageError if the folder cannot be made
+  Context(const Settings& settings, const Stop& stop);
+
+  const Settings& settings() const { return settings_; }
+  bool stopped() const { return stop_(); }
+
+  /// An example with these keys replaced, shortened where a quick look is wanted.
+  ExampleScenario scenario(const std::string& name, const Overrides& overrides) const;
+
+  /// The part's value: from an earlier call with the same scenario, overrides and settings, or
+  /// computed now and kept.
+  /// @param inputs what else the value depends on
+  ordered_json part(const std::string& name, const std::string& scenario,
+                    const Overrides& overrides, const ordered_json& inputs,
+                    const std::function<ordered_json()>& compute) const;
+
+  /// Writes WHAT.json and WHAT.png and says where they are.
+  void finish(const ordered_json& results, const std::string& title,
+              const std::vector<Panel>& panels) const;
+
+ private:
+  Overrides shortened(const Overrides& overrides) const;
+  Settings settings_;
+  Stop stop_;
+  std::filesystem::path out_;
+};
+
+/// Prints a table: the first column left, the others right; a row of one cell is a heading.
+void print_table(const std::vector<std::vector<std::string>>& rows);
+
+/// Of at most this many digits, "-" where there is none.
+std::string shown(double value, int digits = 4);
+std::string shown(const ordered_json& value, double factor = 1.0, int digits = 4);
+
+/// JSON with null where a value is not finite.
+ordered_json number(double value);
+ordered_json numbers(const Eigen::VectorXd& values);
+Eigen::VectorXd to_vector(const ordered_json& list);
+
+// the targets
+void table1(const Context& context);
+void table2(const Context& context);
+void table3(const Context& context);
+void fig3(const Context& context);
+void fig5(const Context& context);
+void fig7(const Context& context);
+void fig8(const Context& context);
+
+}  // namespace c3rt::cli::reproduce

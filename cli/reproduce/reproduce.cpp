@@ -1,0 +1,44 @@
+#include "cli/reproduce/reproduce.hpp"
+
+#include <map>
+
+#include <fmt/format.h>
+
+#include "cli/exit_status.hpp"
+#include "cli/paths.hpp"
+#include "cli/reproduce/context.hpp"
+
+namespace c3rt::cli::reproduce {
+namespace {
+
+const std::map<std::string, void (*)(const Context&)> kTargets{
+    {"fig3", fig3},     {"fig5", fig5},     {"fig7", fig7},    {"fig8", fig8},
+    {"table1", table1}, {"table2", table2}, {"table3", table3}};
+
+}  // namespace
+
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const auto& [name, target] : kTargets) all.push_back(name);
+  return all;
+}
+
+int reproduce(const Settings& settings, const Stop& stop) {
+  const auto target = kTargets.find(settings.what);
+  if (target == kTargets.end()) {
+    std::string known;
+    for (const std::string& name : names()) known += (known.empty() ? "" : ", ") + name;
+    throw UsageError("\"" + settings.what + "\": expected one of " + known);
+  }
+  const Context context(settings, stop);
+  try {
+    target->second(context);
+  } catch (const Interrupted&) {
+    fmt::print(stderr,
+               "interrupted; what was finished is kept, and the same command goes on from there\n");
+    return kCriterionFailed;
+  }
+  return kDone;
+}
+
+}  // namespace c3rt::cli::reproduce
