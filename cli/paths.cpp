@@ -28,8 +28,8 @@ std::string joined(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-/// A file from its path or, in `directory`, from its name.
-fs::path find(const std::string& what, const std::string& given, const fs::path& directory,
+/// A file from its path or, in `folder` of the configuration, from its name.
+fs::path find(const std::string& what, const std::string& given, const std::string& folder,
               const std::string& extension) {
   const bool is_path =
       given.find('/') != std::string::npos || fs::path(given).extension() == extension;
@@ -37,6 +37,7 @@ fs::path find(const std::string& what, const std::string& given, const fs::path&
     if (!fs::is_regular_file(given)) throw UsageError(what + " \"" + given + "\": no such file");
     return fs::absolute(given);
   }
+  const fs::path directory = config_directory() / folder;
   fs::path file = directory / (given + extension);
   if (given.empty() || !fs::is_regular_file(file)) {
     throw UsageError("unknown " + what + " \"" + given +
@@ -74,11 +75,11 @@ std::vector<std::string> scenario_names() {
 }
 
 fs::path scenario_path(const std::string& scenario) {
-  return find("scenario", scenario, config_directory() / "scenarios", ".yaml");
+  return find("scenario", scenario, "scenarios", ".yaml");
 }
 
 fs::path dds_profile_path(const std::string& profile) {
-  return find("DDS profile", profile, config_directory() / "dds", ".xml");
+  return find("DDS profile", profile, "dds", ".xml");
 }
 
 fs::path runtime_directory() {

@@ -30,7 +30,7 @@ void fig3(const Context& context) {
   }
   fmt::print("Figure 3: finger gaiting with s = 10; heights [m]\n\n");
   print_table(rows);
-  ordered_json results = loop_figures(run, {});
+  ordered_json results = loop_figures(scenario.experiment, run, {});
   results["object_m"] = numbers(run.x.row(L::object));
   results["finger_1_m"] = numbers(run.x.row(L::finger_1));
   results["finger_2_m"] = numbers(run.x.row(L::finger_2));

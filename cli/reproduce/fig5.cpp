@@ -28,7 +28,7 @@ void fig5(const Context& context) {
       all[i].title = std::string("σ = ") + sigma;
       panels.push_back(all[i]);
     }
-    ordered_json& result = results[sigma] = loop_figures(run, {});
+    ordered_json& result = results[sigma] = loop_figures(scenario.experiment, run, {});
     result["alpha_rad"] = numbers(run.x.row(L::alpha));
     result["normal_1_n"] = numbers(run.u.row(L::normal_1));
     result["normal_2_n"] = numbers(run.u.row(L::normal_2));

@@ -102,6 +102,14 @@ void run_horizon_table(const Context& context, const HorizonTable& table) {
       return shown(figures["accumulated_cost"], 1.0 / table.cost_unit);
     }));
   }
+  if (table.has_limits) {
+    rows.push_back({"largest overshoot of the limits between the control steps [m]"});
+    for (const Column& column : columns) {
+      rows.push_back(row("here: " + column.name, column, [](const ordered_json& figures) {
+        return shown(figures["overshoot"], 1.0, 2);
+      }));
+    }
+  }
   const Column& miqp = columns.back();
   rows.push_back({"what the MIQP's search here proved"});
   rows.push_back(row("calls proven within a gap of 1e-4", miqp, [](const ordered_json& figures) {

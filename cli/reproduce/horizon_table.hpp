@@ -21,6 +21,7 @@ struct HorizonTable {
   Overrides published;  // what the paper runs, on top of the scenario
   Overrides own;        // settings of our own, on top of these
   std::string own_words;
+  bool has_limits;               // of the states, which a simulation may overshoot
   double cost_unit;              // of the table: 1e7
   std::vector<Reference> times;  // [ms]
   std::vector<Reference> costs;  // [cost_unit]

@@ -29,6 +29,13 @@ class Watch final : public example::Observer {
   Progress progress_;
 };
 
+double overshoot(const c3::Constraints& constraints, const example::Trajectory& trajectory) {
+  const Eigen::MatrixXd& x = trajectory.x;
+  const double above = (x.colwise() - constraints.x_max[0]).maxCoeff();
+  const double below = ((-x).colwise() + constraints.x_min[0]).maxCoeff();
+  return std::max({0.0, above, below});
+}
+
 }  // namespace
 
 MonolithicController::MonolithicController(const example::Experiment& experiment, double limit,
@@ -71,7 +78,8 @@ example::Trajectory run_loop(const Context& context, const std::string& title,
   return trajectory;
 }
 
-ordered_json loop_figures(const example::Trajectory& trajectory,
+ordered_json loop_figures(const example::Experiment& experiment,
+                          const example::Trajectory& trajectory,
                           const std::vector<double>& solve_times) {
   const Trial trial = summarise(trajectory);
   const Spread times = spread(solve_times);
@@ -80,6 +88,7 @@ ordered_json loop_figures(const example::Trajectory& trajectory,
           {"succeeded", trial.succeeded},
           {"controller_failures", trial.controller_failures},
           {"plant_failed", trial.plant_failed},
+          {"overshoot", overshoot(experiment.constraints, trajectory)},
           {"calls", solve_times.size()},
           {"solve_time_s",
            {{"p50", number(times.p50)}, {"p95", number(times.p95)}, {"max", number(times.max)}}}};
@@ -90,7 +99,7 @@ ordered_json measure_c3(const Context& context, const std::string& title,
   example::C3Controller controller(scenario.experiment);
   TimedController timed(controller);
   const example::Trajectory trajectory = run_loop(context, title, scenario, timed);
-  return loop_figures(trajectory, timed.seconds());
+  return loop_figures(scenario.experiment, trajectory, timed.seconds());
 }
 
 ordered_json measure_monolithic(const Context& context, const std::string& title,
@@ -99,7 +108,7 @@ ordered_json measure_monolithic(const Context& context, const std::string& title
                                   [&context] { return context.stopped(); });
   TimedController timed(controller);
   const example::Trajectory trajectory = run_loop(context, title, scenario, timed);
-  ordered_json figures = loop_figures(trajectory, timed.seconds());
+  ordered_json figures = loop_figures(scenario.experiment, trajectory, timed.seconds());
   const std::vector<double>& gaps = controller.gaps();
   figures["proven"] = controller.proven();
   figures["gap_mean"] = number(std::accumulate(gaps.begin(), gaps.end(), 0.0) /

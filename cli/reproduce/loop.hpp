@@ -42,8 +42,10 @@ example::Trajectory run_loop(const Context& context, const std::string& title,
                              const ExampleScenario& scenario, example::Controller& controller,
                              int trial = 0);
 
-/// {accumulated_cost, mean_cost_to_go, succeeded, controller_failures, calls, solve_time_s{…}}
-ordered_json loop_figures(const example::Trajectory& trajectory,
+/// {accumulated_cost, mean_cost_to_go, succeeded, controller_failures, plant_failed, overshoot,
+/// calls, solve_time_s{…}}; overshoot: how far the simulated states went beyond the bounds of C.
+ordered_json loop_figures(const example::Experiment& experiment,
+                          const example::Trajectory& trajectory,
                           const std::vector<double>& solve_times);
 
 /// The closed loop with C3, as figures.
