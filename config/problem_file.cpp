@@ -626,6 +626,8 @@ std::string to_json(const ProblemFile& problem, const ProblemResult& result,
   Json iters = Json::array();
   for (int i = 0; i < result.iterations && i < static_cast<int>(iterates.size()); ++i) {
     const c3::Iterate& iterate = iterates[static_cast<std::size_t>(i)];
+    // of a failed solve the complete turns, as in the golden files
+    if (iterate.projections == 0 && result.status.rfind("fail", 0) == 0) break;
     Json projections = Json::array();
     for (int k = 0; k < iterate.projections; ++k) {
       const c3::ProjectionReport& report = iterate.projection[static_cast<std::size_t>(k)];

@@ -379,6 +379,23 @@ TEST_CASE("problem file: a result has exactly the keys of its schema") {
   }
 }
 
+TEST_CASE("problem file: of a failed solve the result has the last QP and the turns before it") {
+  Json json = problem();
+  json["trace"] = true;
+  json["lcs"]["E"] = {{0}};
+  json["lcs"]["F"] = {{0}};  // 0 ≤ λ ⊥ −0.2 ≥ 0: no point
+  const ProblemFile p = read(json);
+  c3::Solver solver(p.sizes, p.settings);
+  solver.set_costs(p.costs, p.constraints);
+  const c3::Solution& solution = solver.solve(p.lcs.front(), p.x0, p.x_desired);
+  const Json result =
+      Json::parse(config::to_json(p, config::to_result(p, solution, 0.0), solution.trace));
+  CHECK(result["status"] == "fail: the projection found no point of the LCP's set");
+  CHECK(result["iterations"] == 1);
+  CHECK(result["iters"].empty());
+  CHECK(result["u0"][0].get<double>() != 0.0);
+}
+
 TEST_CASE("problem file: golden cases written as problem files give the golden u_0") {
   int compared = 0;
   for (const char* example : {"cartpole", "finger", "pivoting"}) {
