@@ -13,7 +13,7 @@ namespace c3rt::cli {
 namespace {
 
 constexpr double kQuiet = 1.0, kTerminalPeriod = 0.2, kLinePeriod = 10.0;  // [s]
-constexpr int kBar = 24;
+constexpr int kBar = 12;
 
 std::size_t terminal_width() {
   winsize size{};

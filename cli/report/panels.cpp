@@ -1,5 +1,6 @@
 #include "cli/report/panels.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,7 +10,7 @@
 namespace c3rt::cli {
 namespace {
 
-constexpr int kWidth = 960, kPanelHeight = 300, kTitleHeight = 40;
+constexpr int kPlotWidth = 760, kPanelHeight = 300, kTitleHeight = 40, kLetterWidth = 8;  // pixels
 
 std::string rows(const Curve& curve) {
   std::string text;
@@ -20,6 +21,21 @@ std::string rows(const Curve& curve) {
                 : "\n";
   }
   return text;
+}
+
+/// Letters of the widest entry of the keys.
+int key_width(const std::vector<Panel>& panels) {
+  std::ptrdiff_t widest = 0;
+  const auto see = [&widest](const std::string& name) {
+    widest = std::max(widest, std::count_if(name.begin(), name.end(), [](char c) {
+                        return (c & 0xC0) != 0x80;  // the first byte of a letter in UTF-8
+                      }));
+  };
+  for (const Panel& panel : panels) {
+    for (const Curve& curve : panel.curves) see(curve.name);
+    for (const Shade& shade : panel.shades) see(shade.name);
+  }
+  return static_cast<int>(widest);
 }
 
 bool any_point(const Curve& curve) {
@@ -84,10 +100,13 @@ std::vector<std::pair<double, double>> intervals(const Eigen::VectorXd& times,
 std::string draw_panels(const std::filesystem::path& file, const std::string& title,
                         const std::vector<Panel>& panels) {
   const int count = static_cast<int>(panels.size());
-  std::string script = gnuplot::terminal(file, kWidth, kTitleHeight + count * kPanelHeight);
-  script +=
+  const int margin = key_width(panels) + 6;
+  std::string script = gnuplot::terminal(file, kPlotWidth + margin * kLetterWidth,
+                                         kTitleHeight + count * kPanelHeight);
+  script += fmt::format(
       "set key at graph 1.02, graph 1 left top vertical Left reverse samplen 2 noenhanced\n"
-      "set lmargin 10\nset rmargin 25\n";
+      "set lmargin 10\nset rmargin {}\n",
+      margin);
   script +=
       fmt::format("set multiplot layout {},1 title {} noenhanced\n", count, gnuplot::quoted(title));
   for (int i = 0; i < count; ++i) script += panel_script(panels[static_cast<std::size_t>(i)], i);

@@ -62,9 +62,6 @@ ordered_json measure(const Context& context) {
           {"miqp", numbers(miqp)},
           {"miqp_proven", proven},
           {"actual", numbers(actual_costs(experiment, run))},
-          {"disturbed_s",
-           {experiment.disturbance.start,
-            experiment.disturbance.start + experiment.disturbance.duration}},
           {"period_s", experiment.control_period}};
 }
 
@@ -98,9 +95,12 @@ void fig8(const Context& context) {
   const std::vector<Curve> curves{{"actual", "#202020", times, actual},
                                   {"C3", "#1f5fd0", times, c3},
                                   {"MIQP", "#d04020", times, miqp, true}};
-  context.finish(
-      costs, "Figure 8: cost-to-go of the cart-pole experiment",
-      {{"", "", "cost-to-go", curves}, {"", "time [s]", "cost-to-go", curves, {}, true}});
+  const example::Disturbance push = context.scenario(kScenario, {}).experiment.disturbance;
+  const std::vector<Shade> shades{
+      {"disturbance", "#e4e4e4", 0.0, 1.0, {{push.start, push.start + push.duration}}}};
+  context.finish(costs, "Figure 8: cost-to-go of the cart-pole experiment",
+                 {{"", "", "cost-to-go", curves, shades},
+                  {"", "time [s]", "cost-to-go", curves, shades, true}});
 }
 
 }  // namespace c3rt::cli::reproduce

@@ -1,5 +1,8 @@
 #include "cli/reproduce/horizon_table.hpp"
 
+#include <cmath>
+#include <cstdlib>
+
 #include <fmt/format.h>
 
 #include "cli/reproduce/loop.hpp"
@@ -11,7 +14,7 @@ using Row = std::vector<std::string>;
 
 /// A way to control, and what it gave at each horizon.
 struct Column {
-  std::string key, name, color;
+  std::string key, name, short_name, color;
   Overrides overrides;
   bool monolithic;
   std::vector<ordered_json> figures = {};
@@ -27,7 +30,8 @@ void measure(const Context& context, const HorizonTable& table, Column& column) 
     overrides.push_back(fmt::format("control.horizon={}", N));
     const std::string name = fmt::format("{}-{}", column.key, N);
     ordered_json inputs = ordered_json::object();
-    if (column.monolithic) inputs["miqp_limit_s"] = context.settings().miqp_limit;
+    if (column.monolithic)
+      inputs = {{"miqp_limit_s", context.settings().miqp_limit}, {"first_plan", "C3 or the last"}};
     column.figures.push_back(context.part(name, table.scenario, overrides, inputs, [&] {
       const ExampleScenario scenario = context.scenario(table.scenario, overrides);
       const std::string title = fmt::format("{}, N = {}", column.name, N);
@@ -62,7 +66,7 @@ Curve curve(const Column& column, const std::function<double(const ordered_json&
     N[k] = kHorizons[i];
     y[k] = column.figures[i].empty() ? kNone : value(column.figures[i]);
   }
-  return {"here: " + column.name, column.color, N, y, false, true};
+  return {"here: " + column.short_name, column.color, N, y, false, true};
 }
 
 Curve curve(const Reference& reference, const std::string& color) {
@@ -83,19 +87,22 @@ void run_horizon_table(const Context& context, const HorizonTable& table) {
   const double limit = context.settings().miqp_limit;
   Overrides own = table.published;
   own.insert(own.end(), table.own.begin(), table.own.end());
-  std::vector<Column> columns{{"c3", "C3, published settings", "#1f5fd0", table.published, false},
-                              {"own", "C3, " + table.own_words, "#2a8f4a", own, false},
-                              {"miqp", fmt::format("MIQP (15), own search, {:g} s limit", limit),
-                               "#d04020", table.published, true}};
+  std::vector<Column> columns{
+      {"c3", "C3, published settings", "C3", "#1f5fd0", table.published, false},
+      {"own", "C3, " + table.own_words, "C3, own settings", "#2a8f4a", own, false},
+      {"miqp", fmt::format("MIQP (15) from C3's plan, {:g} s limit", limit), "MIQP", "#d04020",
+       table.published, true}};
   for (Column& column : columns) measure(context, table, column);
 
+  const std::string cost_label =
+      fmt::format("accumulated cost [10^{:.0f}]", std::log10(table.cost_unit));
   fmt::print("{}\n\n", table.title);
   std::vector<Row> rows{{"horizon N"}};
   for (const int N : kHorizons) rows.front().push_back(std::to_string(N));
   rows.push_back({"solve time [ms], median of the calls"});
   for (const Reference& reference : table.times) rows.push_back(row(reference));
   for (const Column& column : columns) rows.push_back(row("here: " + column.name, column, p50_ms));
-  rows.push_back({fmt::format("accumulated cost [{:.0e}]", table.cost_unit)});
+  rows.push_back({cost_label});
   for (const Reference& reference : table.costs) rows.push_back(row(reference));
   for (const Column& column : columns) {
     rows.push_back(row("here: " + column.name, column, [&](const ordered_json& figures) {
@@ -125,7 +132,7 @@ void run_horizon_table(const Context& context, const HorizonTable& table) {
 
   ordered_json results{{"what", context.settings().what}, {"miqp_limit_s", limit}};
   Panel times{"", "", "solve time [ms]", {}, {}, true};
-  Panel costs{"", "horizon N", fmt::format("accumulated cost [{:.0e}]", table.cost_unit), {}};
+  Panel costs{"", "horizon N", cost_label, {}};
   for (const Column& column : columns) {
     for (std::size_t i = 0; i < kHorizons.size(); ++i)
       results[column.key][std::to_string(kHorizons[i])] = column.figures[i];

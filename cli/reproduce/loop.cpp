@@ -41,6 +41,7 @@ double overshoot(const c3::Constraints& constraints, const example::Trajectory& 
 MonolithicController::MonolithicController(const example::Experiment& experiment, double limit,
                                            Stop stop)
     : experiment_(experiment),
+      c3_(experiment),
       sizes_(example::sizes(experiment)),
       limit_(limit),
       stop_(std::move(stop)) {}
@@ -50,8 +51,35 @@ bool MonolithicController::is_late(void* self) noexcept {
   return seconds_now() > controller.end_ || controller.stop_();
 }
 
+void MonolithicController::reset() {
+  c3_.reset();
+  last_.clear();
+}
+
+std::optional<horizon::Plan> MonolithicController::first_plan(const horizon::Problem& problem,
+                                                              const lcs::Lcs& lcs, double t) {
+  const horizon::Condensed condensed = horizon::condense(problem);
+  std::optional<horizon::Plan> best;
+  const auto consider = [&](const std::vector<horizon::Side>& zero) {
+    std::optional<horizon::Plan> plan = horizon::solve_modes(problem, condensed, zero);
+    if (plan && (!best || plan->objective < best->objective)) best = std::move(plan);
+  };
+  if (c3_.decide(lcs, problem.x0, t) != nullptr) {
+    const Eigen::MatrixXd& z = c3_.solution().z;
+    consider(horizon::modes(
+        problem, horizon::roll_out(problem, z.middleRows(sizes_.n_x, sizes_.n_lambda),
+                                   z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u))));
+  }
+  if (!last_.empty()) {  // the last stage keeps its modes
+    std::vector<horizon::Side> shifted(last_.begin() + sizes_.n_lambda, last_.end());
+    shifted.insert(shifted.end(), last_.end() - sizes_.n_lambda, last_.end());
+    consider(shifted);
+  }
+  return best;
+}
+
 const Eigen::MatrixXd* MonolithicController::decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x,
-                                                    double) {
+                                                    double t) {
   end_ = seconds_now() + limit_;
   const horizon::Problem problem{sizes_,
                                  {&lcs, 0},
@@ -59,10 +87,13 @@ const Eigen::MatrixXd* MonolithicController::decide(const lcs::Lcs& lcs, const E
                                  &experiment_.constraints,
                                  experiment_.x_desired.replicate(1, sizes_.N + 1),
                                  x};
-  const horizon::SearchResult result = horizon::search(problem, {}, {}, {&is_late, this});
+  const horizon::SearchResult result =
+      horizon::search(problem, {}, first_plan(problem, lcs, t), {&is_late, this});
   gaps_.push_back(result.plan ? result.gap : kNone);
   proven_ += result.is_proven ? 1 : 0;
+  last_.clear();
   if (!result.plan) return nullptr;
+  last_ = horizon::modes(problem, *result.plan);
   u_ = result.plan->u;
   return &u_;
 }

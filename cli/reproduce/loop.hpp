@@ -5,19 +5,22 @@
 
 #include "cli/reproduce/context.hpp"
 #include "controller/example/closed_loop.hpp"
+#include "controller/horizon/modes.hpp"
 #include "controller/horizon/search.hpp"
 
 namespace c3rt::cli::reproduce {
 
 /// The monolithic MIQP [C3, eq. (15)] in the place of C3: the exact search over the whole horizon,
-/// each with a time limit.
+/// each with a time limit. It starts from the better of two plans, each the best with its modes:
+/// those of C3's plan and those of the last plan one stage on. Without a plan to start from, it
+/// finds none worth applying in seconds once N is 20.
 class MonolithicController final : public example::Controller {
  public:
   /// @param limit of one decision [s]
   /// @param stop  ends a decision early
   MonolithicController(const example::Experiment& experiment, double limit, Stop stop);
 
-  void reset() override {}
+  void reset() override;
   const Eigen::MatrixXd* decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x, double t) override;
 
   /// Of every decision so far, as horizon::SearchResult says.
@@ -27,7 +30,11 @@ class MonolithicController final : public example::Controller {
 
  private:
   static bool is_late(void* self) noexcept;
+  std::optional<horizon::Plan> first_plan(const horizon::Problem& problem, const lcs::Lcs& lcs,
+                                          double t);
   const example::Experiment& experiment_;
+  example::C3Controller c3_;
+  std::vector<horizon::Side> last_;  // modes of the last plan
   c3::Sizes sizes_;
   double limit_, end_ = 0.0;  // [s]
   Stop stop_;

@@ -10,10 +10,12 @@ void table2(const Context& context) {
       {"control.duration_s=1.5", "model.equations=as_published", "plant.noise_sigma=0",
        "c3.admm_iterations=5", "c3.rho=0.02", "c3.rho_scale=1.1", "c3.start=carried_forces",
        "c3.start_reset_period_s=0.15"},
-      // tried: the last solution shifted, carried over as published or forgotten; s 5, 10, 20; ρ
-      // 0.005, 0.01, 0.02; ρ_s 1.05, 1.1, 1.3. A smaller ρ and the shift cost no time
-      {"c3.start=shifted", "c3.rho=0.005"},
-      "own settings (shifted start, ρ = 0.005)",
+      // tried: the last solution shifted, carried over as published or forgotten; s 5, 10, 20;
+      // ρ 0.005, 0.01, 0.015, 0.02; ρ_s 1.05, 1.1, 1.3. More iterations cost less and take longer;
+      // a smaller ρ and the shift take no time. With ρ 0.005, 2 to 6 % less is possible up to
+      // N = 30, but the box does not reach its balance where friction is higher
+      {"c3.start=shifted", "c3.rho=0.01"},
+      "own settings (shifted start, ρ = 0.01)",
       false,
       1e5,
       // the paper; the authors' code on one core of a 2-core machine: its OSQP and Gurobi alone
