@@ -1,10 +1,10 @@
-#include <osqp.h>
-
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <osqp.h>
 
 #include "controller/c3/qp.hpp"
 
@@ -30,8 +30,13 @@ struct Sparse {
   void end_column() { column_start.push_back(static_cast<c_int>(values.size())); }
 
   csc view() {
-    return {static_cast<c_int>(values.size()), rows, cols, column_start.data(), row_index.data(),
-            values.data(), -1};
+    return {static_cast<c_int>(values.size()),
+            rows,
+            cols,
+            column_start.data(),
+            row_index.data(),
+            values.data(),
+            -1};
   }
 
   c_int rows, cols;
@@ -67,7 +72,8 @@ class OsqpQp final : public QpStep {
     lay_out_bounds(constraints);
     lay_out_cost();
     lay_out_constraints();
-    // the workspace is set up once; weights of the same pattern reach it as updates of the next solve
+    // the workspace is set up once; weights of the same pattern reach it as updates of the next
+    // solve
     if (work_ != nullptr && P_.same_pattern(P_before) && A_.same_pattern(A_before)) return;
 
     osqp_cleanup(work_);
@@ -177,8 +183,9 @@ class OsqpQp final : public QpStep {
     upper_.assign(n_equalities, 0.0);
     bound_row_.assign(sizes_.N * n_z + n_x, -1);
     const auto add = [this](double lower, double upper) {
-      lower_.push_back(std::max(lower, -OSQP_INFTY));
-      upper_.push_back(std::min(upper, OSQP_INFTY));
+      // both ways: what is beyond OSQP's infinity on the wrong side cannot be met, nor is it set up
+      lower_.push_back(std::clamp(lower, -OSQP_INFTY, OSQP_INFTY));
+      upper_.push_back(std::clamp(upper, -OSQP_INFTY, OSQP_INFTY));
     };
     for (int k = 0; k < sizes_.N; ++k) {
       for (int i = k == 0 ? n_x : 0; i < n_z; ++i) {  // x_0 is given
@@ -301,10 +308,10 @@ class OsqpQp final : public QpStep {
       for (int col = 0; col < n_z; ++col) {
         double* values = &A_.values[A_.column_start[k * n_z + col]];
         if (col < n_x) ++values;  // the −1 of x_k
-        const auto block =
-            col < n_x ? lcs_[k].A.col(col)
-                      : col < n_x + sizes_.n_lambda ? lcs_[k].D.col(col - n_x)
-                                                    : lcs_[k].B.col(col - n_x - sizes_.n_lambda);
+        const auto block = col < n_x ? lcs_[k].A.col(col)
+                           : col < n_x + sizes_.n_lambda
+                               ? lcs_[k].D.col(col - n_x)
+                               : lcs_[k].B.col(col - n_x - sizes_.n_lambda);
         std::copy_n(block.data(), n_x, values);
       }
     }

@@ -1,5 +1,6 @@
 #include "controller/example/load_experiment.hpp"
 
+#include <exception>
 #include <string>
 
 #include "controller/c3/load_settings.hpp"
@@ -80,7 +81,11 @@ void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
   const bool riccati = section.choice<bool>("Q_N", {{"riccati", true}, {"Q", false}});
   if (riccati) {
     const lcs::Lcs lcs = planning_system(e, e.x0);
-    costs.Q_N = lcs::riccati(lcs.A, lcs.B, costs.Q[0], costs.R[0]);
+    try {
+      costs.Q_N = lcs::riccati(lcs.A, lcs.B, costs.Q[0], costs.R[0]);
+    } catch (const std::exception& error) {
+      section.fail("Q_N", "weights with a stabilising solution, or Q", error.what());
+    }
   } else {
     costs.Q_N = costs.Q[0];
   }
@@ -151,6 +156,9 @@ Experiment load(config::Section root, Kind kind) {
   e.constraints.x_max = constraints.limits("x_max", s.n_x);
   e.constraints.u_min = constraints.limits("u_min", s.n_u);
   e.constraints.u_max = constraints.limits("u_max", s.n_u);
+  if (e.c3.qp == c3::QpBackend::kDirect && any(e.constraints)) {
+    c3.fail("qp", "interior_point or osqp, which know constraints", "\"direct\"");
+  }
   try {
     check(e.costs, s, e.c3.projection);
     check(e.constraints, s);
