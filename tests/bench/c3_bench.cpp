@@ -243,7 +243,7 @@ void add_all() {
   const auto both = {QpBackend::kInteriorPoint, QpBackend::kOsqp};
   const auto all = {QpBackend::kDirect, QpBackend::kInteriorPoint, QpBackend::kOsqp};
   const auto add_qp = [](const std::string& problem, QpBackend backend, int N) {
-    add("qp/" + problem + "/" + name(backend), qp_step, problem, backend, N);
+    add("qp_step/" + problem + "/" + name(backend), qp_step, problem, backend, N);
   };
   for (const std::string& problem : {cart_pole, pivoting}) {
     for (const QpBackend backend : all) add_qp(problem, backend, 10);
