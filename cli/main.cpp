@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,9 +13,7 @@
 
 #include "cli/bench.hpp"
 #include "cli/client.hpp"
-#include "cli/example/run.hpp"
-#include "cli/example/scenario.hpp"
-#include "cli/launch.hpp"
+#include "cli/launch_options.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
@@ -45,83 +43,6 @@ constexpr const char* kExamples =
     "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 usage or configuration "
     "error,\n"
     "3 a process failed.";
-
-/// The options of everything that starts processes.
-struct LaunchOptions {
-  cli::LaunchSettings settings;
-  double duration_s = 0.0;
-
-  void add_to(CLI::App& command) {
-    command_ = &command;
-    command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
-        ->required();
-    command.add_option("--clock", clock_, "realtime or lockstep")
-        ->check(CLI::IsMember({"realtime", "lockstep"}))
-        ->capture_default_str();
-    command.add_option("--seed", settings.seed, "Seed of every random number")
-        ->capture_default_str();
-    command
-        .add_option("--duration", duration_s,
-                    "Ends the run after this long [s]; default: the scenario's")
-        ->check(CLI::PositiveNumber);
-    command
-        .add_option("--set", settings.overrides,
-                    "Overrides one key of the scenario: section.key=value")
-        ->expected(1)
-        ->take_all();
-    command.add_option("--out", settings.out,
-                       "Folder of logs and results; default: out/SCENARIO-DATE");
-    command.add_option("--domain", settings.domain, "DDS domain")
-        ->check(CLI::Range(0, 230))
-        ->capture_default_str();
-    command
-        .add_option("--dds", settings.dds_profile, "DDS profile: a name of config/dds or a path")
-        ->capture_default_str();
-  }
-
-  cli::LaunchSettings read(const std::string& verb) {
-    settings.verb = verb;
-    settings.lockstep = clock_ == "lockstep";
-    if (duration_s > 0.0)
-      settings.overrides.push_back(fmt::format("task.duration_s={}", duration_s));
-    return settings;
-  }
-
-  /// The same for a numerical example, if the scenario is one.
-  /// @throws UsageError, config::ConfigError
-  std::optional<cli::ExampleSettings> read_example() const {
-    const std::filesystem::path file = cli::scenario_path(settings.scenario);
-    if (!cli::is_example(file)) return std::nullopt;
-    for (const char* option : {"--clock", "--domain", "--dds"}) {
-      if (command_->count(option) > 0) {
-        throw cli::UsageError(fmt::format(
-            "{}: {} is a numerical example: it runs in this process, in its own time, without a bus",
-            option, settings.scenario));
-      }
-    }
-    cli::ExampleSettings example{file, settings.seed, settings.overrides, settings.out};
-    if (duration_s > 0.0)
-      example.overrides.push_back(fmt::format("control.duration_s={}", duration_s));
-    return example;
-  }
-
-  /// The same again, for the supervisor that is started anew.
-  std::vector<std::string> words() const {
-    std::vector<std::string> words{"serve",
-                                   settings.scenario,
-                                   "--clock=" + clock_,
-                                   "--seed=" + std::to_string(settings.seed),
-                                   "--domain=" + std::to_string(settings.domain),
-                                   "--dds=" + settings.dds_profile};
-    if (!settings.out.empty()) words.push_back("--out=" + settings.out);
-    for (const std::string& assignment : settings.overrides) words.push_back("--set=" + assignment);
-    return words;
-  }
-
- private:
-  CLI::App* command_ = nullptr;
-  std::string clock_ = "realtime";
-};
 
 void add_seat(CLI::App& command, cli::Seat& seat) {
   command.add_option("--domain", seat.domain, "DDS domain")
@@ -350,7 +271,7 @@ class CommandLine {
 
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
-  LaunchOptions launch_, up_, serve_;
+  cli::LaunchOptions launch_, up_, serve_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
   std::string topic_;
