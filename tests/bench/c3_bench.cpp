@@ -208,18 +208,21 @@ void solve(benchmark::State& state, const std::string& problem_name, ProjectionK
   for (const bench::State& at : p.states) x_desired.push_back(p.x_desired(at));
   c3::Solver solver(p.sizes, p.settings);
   solver.set_costs(p.costs, p.constraints);
-  long nodes = 0, failed = 0;
+  long nodes = 0, failed = 0, qp_iterations = 0;
   while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(p.states.size()))) {
     for (std::size_t i = 0; i < p.states.size(); ++i) {
       const c3::Solution& solution = solver.solve(p.states[i].lcs, p.states[i].x0, x_desired[i]);
       benchmark::DoNotOptimize(solution.z.data());
       nodes += solution.branch_nodes;
+      qp_iterations += solution.qp.iterations;
       failed += solution.status != c3::SolveStatus::kOk;
     }
   }
   const double projections = (p.settings.admm_iterations - 1.0) * N;
   state.counters["nodes"] =
       Counter(static_cast<double>(nodes) / projections, Counter::kAvgIterations);
+  state.counters["qp_iterations"] =
+      Counter(static_cast<double>(qp_iterations), Counter::kAvgIterations);  // of the last QP
   state.counters["not_ok"] = static_cast<double>(failed);
   state.counters["per_stage"] =
       Counter(N, Counter::kIsIterationInvariantRate | Counter::kInvert);  // [s]
