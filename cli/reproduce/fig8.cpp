@@ -31,7 +31,7 @@ VectorXd actual_costs(const example::Experiment& experiment, const example::Traj
 /// The states of the run, decided upon anew by the MIQP.
 VectorXd monolithic_costs(const Context& context, const example::Experiment& experiment,
                           const example::Trajectory& run, int& proven) {
-  MonolithicController miqp(experiment, context.settings().miqp_limit,
+  MonolithicController miqp(experiment, experiment, context.settings().miqp_limit,
                             [&context] { return context.stopped(); });
   const auto held =
       static_cast<Index>(experiment.control_period / experiment.simulation_step + 0.5);

@@ -31,11 +31,14 @@ void measure(const Context& context, const HorizonTable& table, Column& column) 
     const std::string name = fmt::format("{}-{}", column.key, N);
     ordered_json inputs = ordered_json::object();
     if (column.monolithic)
-      inputs = {{"miqp_limit_s", context.settings().miqp_limit}, {"first_plan", "C3 or the last"}};
+      inputs = {{"miqp_limit_s", context.settings().miqp_limit}, {"starter", table.own}};
     column.figures.push_back(context.part(name, table.scenario, overrides, inputs, [&] {
       const ExampleScenario scenario = context.scenario(table.scenario, overrides);
+      Overrides own = overrides;
+      own.insert(own.end(), table.own.begin(), table.own.end());
+      const ExampleScenario starter = context.scenario(table.scenario, own);
       const std::string title = fmt::format("{}, N = {}", column.name, N);
-      return column.monolithic ? measure_monolithic(context, title, scenario)
+      return column.monolithic ? measure_monolithic(context, title, scenario, starter)
                                : measure_c3(context, title, scenario);
     }));
   }

@@ -7,6 +7,7 @@
 
 #include "cli/example/plants.hpp"
 #include "cli/example/trials.hpp"
+#include "controller/lcs/simulate.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -38,10 +39,11 @@ double overshoot(const c3::Constraints& constraints, const example::Trajectory& 
 
 }  // namespace
 
-MonolithicController::MonolithicController(const example::Experiment& experiment, double limit,
+MonolithicController::MonolithicController(const example::Experiment& experiment,
+                                           const example::Experiment& starter, double limit,
                                            Stop stop)
     : experiment_(experiment),
-      c3_(experiment),
+      c3_(starter),
       sizes_(example::sizes(experiment)),
       limit_(limit),
       stop_(std::move(stop)) {}
@@ -64,11 +66,16 @@ std::optional<horizon::Plan> MonolithicController::first_plan(const horizon::Pro
     std::optional<horizon::Plan> plan = horizon::solve_modes(problem, condensed, zero);
     if (plan && (!best || plan->objective < best->objective)) best = std::move(plan);
   };
-  if (c3_.decide(lcs, problem.x0, t) != nullptr) {
-    const Eigen::MatrixXd& z = c3_.solution().z;
-    consider(horizon::modes(
-        problem, horizon::roll_out(problem, z.middleRows(sizes_.n_x, sizes_.n_lambda),
-                                   z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u))));
+  if (const Eigen::MatrixXd* u = c3_.decide(lcs, problem.x0, t); u != nullptr) {
+    const c3::Solution& solution = c3_.solution();
+    for (const Eigen::MatrixXd* copy : {&solution.z, &solution.delta}) {
+      consider(horizon::modes(
+          problem, horizon::roll_out(problem, copy->middleRows(sizes_.n_x, sizes_.n_lambda),
+                                     copy->middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u))));
+    }
+    const lcs::Simulation simulation = lcs::simulate(lcs, problem.x0, *u);
+    if (simulation.report.ok())
+      consider(horizon::modes(problem, horizon::roll_out(problem, simulation.lambda, *u)));
   }
   if (!last_.empty()) {  // the last stage keeps its modes
     std::vector<horizon::Side> shifted(last_.begin() + sizes_.n_lambda, last_.end());
@@ -134,8 +141,9 @@ ordered_json measure_c3(const Context& context, const std::string& title,
 }
 
 ordered_json measure_monolithic(const Context& context, const std::string& title,
-                                const ExampleScenario& scenario) {
-  MonolithicController controller(scenario.experiment, context.settings().miqp_limit,
+                                const ExampleScenario& scenario, const ExampleScenario& starter) {
+  MonolithicController controller(scenario.experiment, starter.experiment,
+                                  context.settings().miqp_limit,
                                   [&context] { return context.stopped(); });
   TimedController timed(controller);
   const example::Trajectory trajectory = run_loop(context, title, scenario, timed);

@@ -16,9 +16,11 @@ namespace c3rt::cli::reproduce {
 /// finds none worth applying in seconds once N is 20.
 class MonolithicController final : public example::Controller {
  public:
+  /// @param starter  how C3 finds the plan to start from
   /// @param limit of one decision [s]
   /// @param stop  ends a decision early
-  MonolithicController(const example::Experiment& experiment, double limit, Stop stop);
+  MonolithicController(const example::Experiment& experiment, const example::Experiment& starter,
+                       double limit, Stop stop);
 
   void reset() override;
   const Eigen::MatrixXd* decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x, double t) override;
@@ -59,8 +61,9 @@ ordered_json loop_figures(const example::Experiment& experiment,
 ordered_json measure_c3(const Context& context, const std::string& title,
                         const ExampleScenario& scenario);
 
-/// The closed loop with the monolithic MIQP; also {proven, gap_mean, gap_max}.
+/// The closed loop with the monolithic MIQP, which starts from C3 with the settings of `starter`;
+/// also {proven, gap_mean, gap_max}.
 ordered_json measure_monolithic(const Context& context, const std::string& title,
-                                const ExampleScenario& scenario);
+                                const ExampleScenario& scenario, const ExampleScenario& starter);
 
 }  // namespace c3rt::cli::reproduce

@@ -77,7 +77,7 @@ TEST_CASE("the monolithic MIQP never plans a worse cost than C3") {
   const Context context(settings(folder), never);
   const example::Experiment experiment = context.scenario(kCartPole, {}).experiment;
   example::C3Controller c3(experiment);
-  MonolithicController miqp(experiment, 60.0, never);
+  MonolithicController miqp(experiment, experiment, 60.0, never);
   for (const Eigen::Vector4d& x :
        {Eigen::Vector4d(0.3, 0, 0.3, 0), Eigen::Vector4d(0.45, 0.1, 0.8, -0.5),
         Eigen::Vector4d(-0.4, 0.0, -1.0, 0.5), Eigen::Vector4d(0, 0, 0, 0)}) {
