@@ -101,32 +101,43 @@ double InteriorPointQp::target(int row) const noexcept {
 /// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
 /// row to its bound, and what pull is left becomes its multiplier [method of multipliers], until no
 /// pull is left.
-bool InteriorPointQp::hold() noexcept {
-  const int n = model_.rows().count();
-  for (int i = 0; i < n; ++i) {
+bool InteriorPointQp::hold() noexcept { return tie() && pull_to_the_end(); }
+
+/// Ties springs to the held rows.
+bool InteriorPointQp::tie() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
     weight_[i] = held_[i] == Held::kNo ? 0.0 : kStiffness / compliance_[i];
     if (held_[i] == Held::kNo) multiplier_[i] = 0.0;
   }
   ++iterations_;
-  if (!model_.factor(weight_)) return false;
+  return model_.factor(weight_);
+}
+
+/// One pull of the springs.
+bool InteriorPointQp::pull() noexcept {
+  const int n = model_.rows().count();
+  stationarity_ = model_.differentiate(multiplier_);
+  for (int i = 0; i < n; ++i) {
+    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - target(i));
+  }
+  model_.newton(extra_);
+  // by the step, not by the point it leads to, whose rounding the spring would magnify
+  for (int i = 0; i < n; ++i) multiplier_[i] -= extra_[i] + weight_[i] * model_.change()[i];
+  model_.move(1.0);
+  return std::isfinite(model_.relative_step());
+}
+
+bool InteriorPointQp::pull_to_the_end() noexcept {
   double change = 0.0;
   for (int round = 0; round < kMaxCorrections; ++round) {
-    stationarity_ = model_.differentiate(multiplier_);
-    for (int i = 0; i < n; ++i) {
-      extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - target(i));
-    }
-    model_.newton(extra_);
-    // by the step, not by the point it leads to, whose rounding the spring would magnify
-    for (int i = 0; i < n; ++i) multiplier_[i] -= extra_[i] + weight_[i] * model_.change()[i];
-    model_.move(1.0);
+    if (!pull()) return false;
     const double previous = change;
     change = model_.relative_step();
-    if (!std::isfinite(change)) return false;
     if (round > 0 && (change * change <= kConverged * previous || change > 0.5 * previous)) break;
   }
   if (!(change <= kSettled)) return false;
   // rows that contradict each other end in a compromise
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < model_.rows().count(); ++i) {
     if (held_[i] == Held::kNo) continue;
     const double off = std::abs(model_.value()[i] - target(i));
     if (off > slack(model_.value()[i])) return false;
@@ -135,13 +146,18 @@ bool InteriorPointQp::hold() noexcept {
 }
 
 /// Holds, lets go of rows whose multiplier pulls the wrong way, holds rows that are violated, and
-/// so on [primal-dual active set]. True once nothing is to be changed.
+/// so on [primal-dual active set]. True once nothing is to be changed. One pull, good to the
+/// springs' stiffness, is enough to correct a guess; one that stands is pulled to the end.
 bool InteriorPointQp::settle() noexcept {
   int fewest = std::numeric_limits<int>::max();
   for (int patience = kPatience; patience > 0; --patience) {
-    if (!hold()) return false;
-    const int corrections = correct_guess();
-    if (corrections == 0) return true;
+    if (!tie() || !pull()) return false;
+    int corrections = correct_guess();
+    if (corrections == 0) {
+      if (!pull_to_the_end()) return false;
+      corrections = correct_guess();
+      if (corrections == 0) return true;
+    }
     if (corrections >= fewest) continue;
     fewest = corrections;
     patience = kPatience;

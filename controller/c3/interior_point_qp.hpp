@@ -38,6 +38,9 @@ class InteriorPointQp final : public QpStep {
   QpStatus iterate() noexcept;
   void release() noexcept;
   bool hold() noexcept;
+  bool tie() noexcept;
+  bool pull() noexcept;
+  bool pull_to_the_end() noexcept;
   bool settle() noexcept;
   int correct_guess() noexcept;
   void enter() noexcept;
@@ -53,7 +56,6 @@ class InteriorPointQp final : public QpStep {
   QpModel model_;
   int iterations_ = 0;
   int n_sides_ = 0;  // with λ_0 fixed some are left out
-  int n_sides_all_ = 0;
   std::vector<Side> sides_;  // in the order of the rows
   std::vector<Held> held_;   // per row
   // per row: aᵀ H⁻¹ a, weight of aaᵀ, multiplier (positive: at the lower bound), extra gradient
