@@ -41,6 +41,7 @@ endfunction()
 
 c3rt_export(lcs lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
 c3rt_export(c3 deadline.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp)
+c3rt_export(horizon condensed.hpp modes.hpp problem.hpp search.hpp)
 c3rt_export(model ball_model.hpp balls_model.hpp cart_pole.hpp contact_system.hpp finger_gaiting.hpp linearise.hpp
   pivoting.hpp)
 c3rt_export(example closed_loop.hpp controller.hpp experiment.hpp)
@@ -63,4 +64,4 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/c3rtConfigVersion.cmake C
 install(FILES ${PROJECT_BINARY_DIR}/c3rtConfig.cmake ${PROJECT_BINARY_DIR}/c3rtConfigVersion.cmake
   DESTINATION ${package_directory} COMPONENT library)
 # builds what the component holds
-add_custom_target(library DEPENDS c3rt_lcs c3rt_c3 c3rt_model c3rt_example)
+add_custom_target(library DEPENDS c3rt_lcs c3rt_c3 c3rt_horizon c3rt_model c3rt_example)
