@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/example/plants.hpp"
+#include "cli/report/json.hpp"
+#include "cli/report/report.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -41,16 +43,6 @@ double mean(const std::vector<Trial>& trials, Value value) {
   double sum = 0.0;
   for (const Trial& trial : trials) sum += value(trial);
   return sum / static_cast<double>(trials.size());
-}
-
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json numbers(const Eigen::VectorXd& values) {
-  ordered_json list = ordered_json::array();
-  for (const double value : values) list.push_back(number(value));
-  return list;
 }
 
 }  // namespace
@@ -112,18 +104,14 @@ ExampleReport report_on(const ExampleScenario& scenario, std::uint64_t seed,
     if (name == "accumulated_cost") return report.accumulated_cost;
     return kNone;
   });
-  const bool met = std::all_of(report.criteria.begin(), report.criteria.end(),
-                               [](const CriterionResult& c) { return c.met; });
-  report.result = result.interrupted ? "interrupted" : met ? "passed" : "criteria not met";
+  report.result = result.interrupted         ? "interrupted"
+                  : all_met(report.criteria) ? "passed"
+                                             : "criteria not met";
   return report;
 }
 
 ordered_json to_json(const ExampleReport& report) {
-  ordered_json criteria = ordered_json::array(), trials = ordered_json::array();
-  for (const CriterionResult& c : report.criteria) {
-    criteria.push_back(
-        {{"name", c.name}, {"value", number(c.value)}, {"limit", c.limit}, {"met", c.met}});
-  }
+  ordered_json trials = ordered_json::array();
   for (const Trial& trial : report.trials) {
     trials.push_back({{"succeeded", trial.succeeded},
                       {"accumulated_cost", number(trial.accumulated_cost)},
@@ -136,17 +124,13 @@ ordered_json to_json(const ExampleReport& report) {
   return {{"scenario", report.scenario},
           {"seed", report.seed},
           {"result", report.result},
-          {"criteria", criteria},
+          {"criteria", to_json(report.criteria)},
           {"trials_wanted", report.trials_wanted},
           {"success_rate", number(report.success_rate)},
           {"mean_cost_to_go", number(report.mean_cost_to_go)},
           {"accumulated_cost", number(report.accumulated_cost)},
           {"solves", report.solves},
-          {"solve_time_s",
-           {{"p50", number(report.solve_time.p50)},
-            {"p95", number(report.solve_time.p95)},
-            {"p99", number(report.solve_time.p99)},
-            {"max", number(report.solve_time.max)}}},
+          {"solve_time_s", quantiles(report.solve_time)},
           {"trials", trials}};
 }
 

@@ -6,21 +6,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/report/json.hpp"
+
 namespace c3rt::cli {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json quantiles(const Spread& spread) {
-  return {{"p50", number(spread.p50)},
-          {"p95", number(spread.p95)},
-          {"p99", number(spread.p99)},
-          {"max", number(spread.max)}};
-}
 
 /// "-" for what the run did not give; else the value in a smaller unit.
 std::string shown(double value, double per_unit, int digits) {
@@ -41,11 +32,6 @@ bool all_met(const std::vector<CriterionResult>& criteria) {
 
 ordered_json to_json(const Report& report) {
   const Figures& figures = report.figures;
-  ordered_json criteria = ordered_json::array();
-  for (const CriterionResult& c : figures.criteria) {
-    criteria.push_back(
-        {{"name", c.name}, {"value", number(c.value)}, {"limit", c.limit}, {"met", c.met}});
-  }
   ordered_json balls = ordered_json::array();
   for (const BallFigures& ball : figures.balls) {
     balls.push_back({{"rms_error_m", number(ball.rms_error)},
@@ -60,7 +46,7 @@ ordered_json to_json(const Report& report) {
       {"clock", report.clock},
       {"duration_s", number(figures.duration)},
       {"result", report.result},
-      {"criteria", criteria},
+      {"criteria", to_json(figures.criteria)},
       {"loops_completed", figures.loops_completed},
       {"loop_times_s", figures.loop_times},
       {"ball", balls},

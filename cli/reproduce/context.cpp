@@ -107,16 +107,6 @@ std::string shown(const ordered_json& value, double factor, int digits) {
   return value.is_number() ? shown(value.get<double>() * factor, digits) : "-";
 }
 
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json numbers(const Eigen::VectorXd& values) {
-  ordered_json list = ordered_json::array();
-  for (const double value : values) list.push_back(number(value));
-  return list;
-}
-
 Eigen::VectorXd to_vector(const ordered_json& list) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(list.size()));
   for (std::size_t i = 0; i < list.size(); ++i)

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/example/scenario.hpp"
+#include "cli/report/json.hpp"
 #include "cli/report/panels.hpp"
 #include "cli/reproduce/reproduce.hpp"
 
@@ -55,9 +56,6 @@ void print_table(const std::vector<std::vector<std::string>>& rows);
 std::string shown(double value, int digits = 4);
 std::string shown(const ordered_json& value, double factor = 1.0, int digits = 4);
 
-/// JSON with null where a value is not finite.
-ordered_json number(double value);
-ordered_json numbers(const Eigen::VectorXd& values);
 Eigen::VectorXd to_vector(const ordered_json& list);
 
 // the targets
