@@ -70,7 +70,7 @@ class DirectQp final : public QpStep {
       term = cost_.gradient(z, x_N, gradient_, gradient_N_);
       ++refinements;
       const double previous = change;
-      change = relative_step(z);
+      change = relative_step(sizes_, step_, z);
       if (refinements == 0) continue;
       // a step shrinks the error by about as much as the steps shrink
       if (change * change <= kConverged * previous || !(change <= 0.25 * previous)) break;
@@ -84,20 +84,6 @@ class DirectQp final : public QpStep {
   }
 
  private:
-  /// The last step beside z: the largest ratio of the largest entries of x, of λ and of u.
-  double relative_step(const Eigen::Ref<const MatrixXd>& z) const noexcept {
-    double ratio = 0.0;
-    const auto compare = [&](int first, int count) {
-      const double size = z.middleRows(first, count).cwiseAbs().maxCoeff();
-      const double step = step_.middleRows(first, count).cwiseAbs().maxCoeff();
-      if (step > ratio * size) ratio = step / size;
-    };
-    compare(0, sizes_.n_x);
-    compare(sizes_.n_x, sizes_.n_lambda);
-    compare(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
-    return ratio;
-  }
-
   Sizes sizes_;
   QpCost cost_;
   Riccati riccati_;

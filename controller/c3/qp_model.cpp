@@ -108,18 +108,7 @@ void QpModel::move(double alpha) noexcept {
   evaluate();
 }
 
-double QpModel::relative_step() const noexcept {
-  double ratio = 0.0;
-  const auto compare = [&](int first, int count) {
-    const double size = z_.middleRows(first, count).cwiseAbs().maxCoeff();
-    const double step = step_.middleRows(first, count).cwiseAbs().maxCoeff();
-    if (step > ratio * size) ratio = step / size;
-  };
-  compare(0, sizes_.n_x);
-  compare(sizes_.n_x, sizes_.n_lambda);
-  compare(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
-  return ratio;
-}
+double QpModel::relative_step() const noexcept { return c3::relative_step(sizes_, step_, z_); }
 
 void QpModel::go_to(const MatrixXd& z, const VectorXd& x_N) noexcept {
   z_ = z;

@@ -248,4 +248,18 @@ void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, MatrixX
   std::copy_n(x_.data(), n_x, step_N.data());
 }
 
+double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,
+                     const Eigen::Ref<const MatrixXd>& z) noexcept {
+  double ratio = 0.0;
+  const auto compare = [&](int first, int count) {
+    const double size = z.middleRows(first, count).cwiseAbs().maxCoeff();
+    const double change = step.middleRows(first, count).cwiseAbs().maxCoeff();
+    if (change > ratio * size) ratio = change / size;
+  };
+  compare(0, sizes.n_x);
+  compare(sizes.n_x, sizes.n_lambda);
+  compare(sizes.n_x + sizes.n_lambda, sizes.n_u);
+  return ratio;
+}
+
 }  // namespace c3rt::c3

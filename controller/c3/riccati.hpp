@@ -89,4 +89,9 @@ class Riccati {
   std::vector<double> p_, p_next_, x_, x_next_, nu_;
 };
 
+/// A step beside the point z (n_z × N each): the largest ratio of the largest entries of x, of λ
+/// and of u. RT.
+double relative_step(const Sizes& sizes, const Eigen::Ref<const Eigen::MatrixXd>& step,
+                     const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
+
 }  // namespace c3rt::c3
