@@ -47,6 +47,7 @@ CommandRow row_of(const wire::RobotCommand& sample) {
 
 PlanRow row_of(const wire::Plan& sample) {
   return {sample.header.time_ns,
+          sample.origin.state_ns,
           sample.origin.exposure_ns,
           sample.phase == c3rt_v1_PHASE_ROLL || sample.phase == c3rt_v1_PHASE_RETURN,
           sample.status == c3rt_v1_PLAN_TRUNCATED,
@@ -64,7 +65,7 @@ EstimateRow row_of(const wire::BallEstimate& sample) {
 double wall_time() { return seconds(rt::now_ns()); }
 
 struct Recorder::Topics {
-  Topics(wire::Bus& bus, const std::filesystem::path& directory, const Circle& circle)
+  Topics(wire::Bus& bus, const std::filesystem::path& directory, const planner::Task& task)
       : scene(bus, kDepth),
         state(bus, kDepth),
         command(bus, kDepth),
@@ -78,7 +79,7 @@ struct Recorder::Topics {
         plan_log(directory),
         estimate_log(directory),
         detection_log(directory),
-        loops(circle) {}
+        course(task) {}
 
   std::uint64_t hash() const {
     HashVisitor all;
@@ -102,11 +103,11 @@ struct Recorder::Topics {
   TopicLog<wire::Plan> plan_log;
   TopicLog<wire::BallEstimate> estimate_log;
   TopicLog<wire::BallDetection> detection_log;
-  LoopCounter loops;
-  std::int64_t rolling_since = 0;  // 0: not yet [ns]
-  std::size_t judged = 0;          // states looked at for a reflex
-  std::int64_t reflex_since = 0;   // 0: the robot is in none [ns]
-  std::size_t counted = 0;         // rows of the scene that the loop counter has seen
+  Course course;
+  std::optional<std::int64_t> task_start;  // as task_start_ns() [ns]
+  std::size_t judged = 0;                  // states looked at for a reflex
+  std::int64_t reflex_since = 0;           // 0: the robot is in none [ns]
+  std::size_t counted = 0;                 // rows of the scene that the course has seen
   double wall_first = 0.0, wall_last = 0.0;
   std::uint64_t seq_first = 0, seq_last = 0;
 };
@@ -149,7 +150,7 @@ void Recorder::run() noexcept {
 
 void Recorder::record() {
   wire::Bus bus(settings_);
-  Topics topics(bus, directory_, goal_.circle);
+  Topics topics(bus, directory_, goal_.task);
   if (settings_.clock == wire::ClockMode::kLockstep) {
     wire::Loop loop(bus, {c3rt_v1_PROCESS_RECORDER, kPeriod});
     std::int64_t now_ns = 0;
@@ -212,17 +213,17 @@ bool Recorder::take_all(Topics& topics) {
   drain(topics.command, topics.command_log, series_.command, command);
   const std::size_t plans_before = series_.plan.size();
   const bool has_plan = drain(topics.plan, topics.plan_log, series_.plan, plan);
-  for (std::size_t i = plans_before; i < series_.plan.size() && topics.rolling_since == 0; ++i) {
-    if (series_.plan[i].rolling) topics.rolling_since = series_.plan[i].time_ns;
+  for (std::size_t i = plans_before; i < series_.plan.size() && !topics.task_start; ++i) {
+    if (series_.plan[i].rolling) topics.task_start = series_.plan[i].state_ns;
   }
   drain(topics.estimate, topics.estimate_log, series_.estimate, estimate);
   while (topics.detection.take(detection)) topics.detection_log.add(detection);
 
   // the same count as evaluate(): scenes from the first plan that rolls
-  for (; topics.counted < series_.scene.size() && topics.rolling_since != 0; ++topics.counted) {
+  for (; topics.counted < series_.scene.size() && topics.task_start; ++topics.counted) {
     const SceneRow& row = series_.scene[topics.counted];
-    if (row.time_ns < topics.rolling_since || row.ball_count == 0) continue;
-    topics.loops.add(seconds(row.time_ns - start_ns(series_)), row.p_WB[0].head<2>());
+    if (row.time_ns >= *topics.task_start)
+      topics.course.add(seconds(row.time_ns - *topics.task_start), row);
   }
 
   wire::ServiceStatus status{};
@@ -235,15 +236,16 @@ bool Recorder::take_all(Topics& topics) {
     live_.any = true;
     live_.time = seconds(scene.header.time_ns - start_ns(series_));
     const SceneRow& row = series_.scene.back();
-    if (row.ball_count > 0) live_.ball_error = path_error(goal_.circle, row.p_WB[0]);
+    const double elapsed = topics.task_start ? seconds(row.time_ns - *topics.task_start) : 0.0;
+    live_.ball_error = worst_error(goal_.task, elapsed, row);
   }
   if (has_plan) live_.plan = plan;
-  live_.rolling = topics.rolling_since != 0;
-  live_.turns = topics.loops.turns();
-  live_.loops = topics.loops.completed();
+  live_.rolling = topics.task_start.has_value();
+  live_.turns = topics.course.amount();
+  live_.loops = topics.course.completed();
   live_.steps = topics.seq_last;
   live_.robot_stopped = gave_up;
-  return gave_up || topics.loops.completed() >= goal_.loops || live_.time >= goal_.duration;
+  return gave_up || topics.course.completed() >= goal_.loops || live_.time >= goal_.duration;
 }
 
 }  // namespace c3rt::cli

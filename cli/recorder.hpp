@@ -18,7 +18,7 @@ namespace c3rt::cli {
 
 /// When the recording has seen enough.
 struct Goal {
-  Circle circle;
+  planner::Task task;
   int loops;
   double duration;  // from the first sample of the scene [s]
 };
@@ -30,7 +30,7 @@ struct Live {
   bool rolling = false;  // the task has begun
   double turns = 0.0;
   int loops = 0;
-  double ball_error = kNone;  // newest distance to the path [m]
+  double ball_error = kNone;  // newest distance to the path, of the worst ball [m]
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
   std::uint64_t steps = 0;     // 1 kHz cycles of the plant so far
@@ -52,7 +52,7 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// The goal was reached: the task's circles are done or the time is over. Recording has ended, in
+  /// The goal was reached: the task is done or the time is over. Recording has ended, in
   /// lockstep at a simulated time that does not depend on the machine.
   bool done() const { return done_.load(); }
   /// Why recording ended early; empty while it goes on.

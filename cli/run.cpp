@@ -93,8 +93,7 @@ std::vector<std::string> reflex_names(std::uint64_t bits) {
 int run(const LaunchSettings& settings) {
   Launch launch(settings);
   const config::Scenario& scenario = launch.scenario();
-  const Circle circle{scenario.task.circle.center, scenario.task.circle.radius,
-                      scenario.task.circle.lead > 0.0};
+  const planner::Task& task = scenario.task.motion;
   std::vector<Limit> limits;
   for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
 
@@ -103,12 +102,16 @@ int run(const LaunchSettings& settings) {
   fmt::print("results in {}\n", launch.out().string());
   std::fflush(stdout);
 
+  // of a line every ball counts
+  const int course_goal = std::holds_alternative<planner::LineTask>(task)
+                              ? static_cast<int>(scenario.plant.world.balls.size())
+                              : scenario.task.loops;
   Supervisor supervisor;
   Recorder recorder(launch.bus(), launch.out(),
-                    {circle, scenario.task.loops, scenario.task.duration_s});
+                    {task, scenario.task.loops, scenario.task.duration_s});
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
-      scenario.task.loops, scenario.task.duration_s);
+      unit(task), course_goal, scenario.task.duration_s);
   launch.start(supervisor, true);
   const Ending ending = watch(supervisor, recorder, table);
   const Live live = recorder.live();
@@ -121,7 +124,7 @@ int run(const LaunchSettings& settings) {
   report.scenario = scenario.name;
   report.seed = settings.seed;
   report.clock = settings.clock_name();
-  report.figures = evaluate(recorder.series(), circle, limits);
+  report.figures = evaluate(recorder.series(), task, limits);
   report.services = service_figures(live);
   report.real_time_factor = recorder.real_time_factor();
   report.reflexes = reflex_names(report.figures.error_bits);
@@ -140,7 +143,7 @@ int run(const LaunchSettings& settings) {
   launch.lock().set_ended(report.result);
   write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
   const std::string missing =
-      draw_pictures(launch.out(), recorder.series(), circle, report.figures,
+      draw_pictures(launch.out(), recorder.series(), task, report.figures,
                     fmt::format("{} ({})", scenario.name, settings.clock_name()));
 
   fmt::print("\n{}", summary(report));

@@ -67,8 +67,12 @@ std::string service_table(
   return text;
 }
 
-LiveTable::LiveTable(const std::string& title, int loops, double duration)
-    : title_(title), loops_(loops), duration_(duration), terminal_(isatty(STDOUT_FILENO) == 1) {}
+LiveTable::LiveTable(const std::string& title, const std::string& unit, int goal, double duration)
+    : title_(title),
+      unit_(unit),
+      goal_(goal),
+      duration_(duration),
+      terminal_(isatty(STDOUT_FILENO) == 1) {}
 
 void LiveTable::tell_changes(const Live& live) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -103,9 +107,9 @@ void LiveTable::draw(const Live& live) {
     text += fmt::format("  time {:>7.1f} s of {:g}   x {} real time\n", live.time, duration_,
                         shown(factor_, 2));
     text += fmt::format(
-        "  circles {:>6.2f} of {}   ball {:>5} mm from the path   phase {:<8}  plan {:<9}  solve "
+        "  {} {:>6.2f} of {}   ball {:>5} mm from the path   phase {:<8}  plan {:<9}  solve "
         "{} ms\n",
-        live.turns, loops_, error, plan.phase, plan.status, plan.solve);
+        unit_, live.turns, goal_, error, plan.phase, plan.status, plan.solve);
     text += service_table(live.services);
     const auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
     std::string screen = lines_ > 0 ? fmt::format("\x1b[{}A", lines_) : "";
@@ -130,9 +134,9 @@ void LiveTable::draw(const Live& live) {
       missed += counter(*status, "missed_cycles");
     }
     text = fmt::format(
-        "[{:7.1f} s] circles {:.2f}  ball {} mm  {}  plan {}  solve {} ms |{} Hz | missed {} | x "
+        "[{:7.1f} s] {} {:.2f}  ball {} mm  {}  plan {}  solve {} ms |{} Hz | missed {} | x "
         "{}\n",
-        live.time, live.turns, error, plan.phase, plan.status, plan.solve, rates, missed,
+        live.time, unit_, live.turns, error, plan.phase, plan.status, plan.solve, rates, missed,
         shown(factor_, 2));
   }
   std::fwrite(text.data(), 1, text.size(), stdout);

@@ -17,7 +17,8 @@ std::uint64_t counter(const wire::ServiceStatus& status, const char* name);
 /// seconds.
 class LiveTable {
  public:
-  LiveTable(const std::string& title, int loops, double duration);
+  /// @param unit, goal what Live::turns counts, and how many end the run
+  LiveTable(const std::string& title, const std::string& unit, int goal, double duration);
   /// Call it often; it draws when it is time.
   void update(const Live& live);
   void finish(const Live& live);  // a last time, and the cursor below
@@ -25,8 +26,8 @@ class LiveTable {
  private:
   void draw(const Live& live);
   void tell_changes(const Live& live);  // of a process's state, as they come; not on a terminal
-  std::string title_;
-  int loops_;
+  std::string title_, unit_;
+  int goal_;
   double duration_;  // [s]
   bool terminal_;
   std::array<c3rt_v1_ServiceState, wire::kProcessCount> states_{};

@@ -8,12 +8,54 @@
 namespace c3rt::config {
 namespace {
 
+planner::CircleTask load_circle(Section& section) {
+  planner::CircleTask circle{};
+  circle.center = section.numbers("center_m", 2, {-1, 1});
+  circle.radius = section.number("radius_m", {0.01, 0.5});
+  circle.lead = section.number("lead_rad", {-3.14, 3.14});
+  return circle;
+}
+
+planner::PathTask load_path(Section& section) {
+  planner::PathTask path{};
+  const Eigen::MatrixXd points = section.rows("points_m", 2, 1000, 2, {-1, 1});
+  for (Eigen::Index i = 0; i < points.rows(); ++i) path.points.push_back(points.row(i).transpose());
+  path.interval = section.number("interval_s", {0.01, 100});
+  path.between = section.choice<planner::Between>(
+      "between",
+      {{"hold", planner::Between::kHold}, {"interpolate", planner::Between::kInterpolate}});
+  path.lead = section.number("lead_s", {0, 10});
+  path.preview = section.boolean("preview");
+  return path;
+}
+
+planner::LineTask load_line(Section& section) {
+  planner::LineTask line{};
+  line.x = section.number("x_m", {-1, 1});
+  line.step = section.number("step_m", {-0.2, 0.2});
+  if (line.step == 0.0) section.fail("step_m", "a step that is not 0", "0");
+  line.y_end = section.number("y_end_m", {-1, 1});
+  return line;
+}
+
+/// Keys of another kind are left unread, which finish() refuses.
 Task load_task(Section section) {
   Task task{};
-  task.circle.center = section.numbers("center_m", 2, {-1, 1});
-  task.circle.radius = section.number("radius_m", {0.01, 0.5});
-  task.circle.lead = section.number("lead_rad", {-3.14, 3.14});
-  task.loops = section.integer("loops", {1, 100000});
+  enum class Kind { kCircle, kPath, kLine };
+  const Kind kind = section.choice<Kind>(
+      "kind", {{"circle", Kind::kCircle}, {"path", Kind::kPath}, {"line", Kind::kLine}});
+  switch (kind) {
+    case Kind::kCircle:
+      task.motion = load_circle(section);
+      break;
+    case Kind::kPath:
+      task.motion = load_path(section);
+      break;
+    case Kind::kLine:
+      task.motion = load_line(section);
+      break;
+  }
+  task.loops = kind == Kind::kLine ? 1 : section.integer("loops", {1, 100000});
   task.duration_s = section.number("duration_s", {0.1, 1e6});
   return task;
 }
@@ -27,6 +69,9 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
         {"max_loop_time_s", "max_loop_time_s"},
         {"in_band_2cm", "in_band_2cm"},
         {"in_band_1cm", "in_band_1cm"},
+        {"path_error_rms_m", "path_error_rms_m"},
+        {"path_error_p95_m", "path_error_p95_m"},
+        {"path_error_max_m", "path_error_max_m"},
         {"tracking_error_p95_m", "tracking_error_p95_m"},
         {"vision_error_p95_m", "vision_error_p95_m"}};
     criterion.name = section.choice<const char*>("name", names);
@@ -60,7 +105,7 @@ Scenario read_scenario(Section root) {
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
   scenario.plant = plant::load_parameters(root.section("plant"));
   scenario.impedance = impedance::load_parameters(root.section("impedance"));
-  scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.circle);
+  scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion);
   scenario.vision = vision::load_parameters(root.section("vision"));
   root.finish();
   return scenario;

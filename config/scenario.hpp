@@ -13,8 +13,9 @@
 namespace c3rt::config {
 
 struct Task {
-  planner::CircleTask circle;
-  int loops;          // the run ends when the ball has gone round this often
+  planner::Task motion;  // what the balls are to do
+  int loops;  // the run ends after this many rounds of circle or path; 1 of a line, when all balls
+              // have arrived
   double duration_s;  // or after this long
 };
 

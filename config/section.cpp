@@ -203,6 +203,28 @@ Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_s
   return values;
 }
 
+Eigen::MatrixXd Section::rows(const std::string& key, int min_rows, int max_rows, int columns,
+                              Range allowed) {
+  const YAML::Node child = require(*node_, key);
+  const std::string expected = "a list of " + std::to_string(min_rows) + " to " +
+                               std::to_string(max_rows) + " lists of " + std::to_string(columns) +
+                               " numbers in " + range_text(allowed);
+  if (!child.IsSequence() || static_cast<int>(child.size()) < min_rows ||
+      static_cast<int>(child.size()) > max_rows)
+    fail(key, expected, content(child));
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(child.size()), columns);
+  for (std::size_t i = 0; i < child.size(); ++i) {
+    const YAML::Node row = child[i];
+    bool fits = row.IsSequence() && static_cast<int>(row.size()) == columns;
+    for (std::size_t j = 0; fits && j < row.size(); ++j) {
+      double& value = values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      fits = to_number(row[j], value) && value >= allowed.min && value <= allowed.max;
+    }
+    if (!fits) fail(key, expected, content(row) + " at place " + std::to_string(i + 1));
+  }
+  return values;
+}
+
 Section Section::section(const std::string& key) {
   const YAML::Node child = require(*node_, key);
   if (!child.IsMap()) fail(key, "a mapping", content(child));

@@ -34,6 +34,9 @@ class Section {
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int min_size, int max_size, Range allowed);
+  /// A list of `min_rows`..`max_rows` lists of `columns` numbers each, as (rows x columns).
+  Eigen::MatrixXd rows(const std::string& key, int min_rows, int max_rows, int columns,
+                       Range allowed);
   /// A list of exactly `size` numbers where .inf and -.inf stand for no limit.
   Eigen::VectorXd limits(const std::string& key, int size);
   /// One of the named choices; the error lists them.

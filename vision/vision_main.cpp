@@ -164,7 +164,7 @@ class Service {
     const plant::World& world = scenario.plant.world;
     for (const plant::BallParameters& ball : world.balls) {
       estimators_.emplace_back(scenario.vision.estimator, ball.radius);
-      const Eigen::Vector2d& centre = scenario.task.circle.center;
+      const Eigen::Vector2d centre = planner::middle(scenario.task.motion);
       first_guess_.emplace_back(centre.x(), centre.y(), world.table_height + ball.radius);
     }
     status_.set_state(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");

@@ -14,12 +14,10 @@ constexpr double kWideBand = 0.02, kNarrowBand = 0.01;  // [m]
 
 double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * kNs; }
 
-double wrap(double angle) { return std::remainder(angle, 2.0 * M_PI); }
-
-/// Figures of one ball over the part of the recording that begins at from_ns; each row holds until
-/// the next.
-BallFigures ball_figures(const Series& series, const Circle& circle, int ball,
-                         std::int64_t from_ns) {
+/// Figures of one ball from `judged_from` seconds after the task began; each row holds until the
+/// next.
+BallFigures ball_figures(const Series& series, const planner::Task& task, int ball,
+                         std::int64_t start_ns, double judged_from) {
   struct Weighted {
     double error;
     double duration;
@@ -28,8 +26,10 @@ BallFigures ball_figures(const Series& series, const Circle& circle, int ball,
   double total = 0.0, squares = 0.0, wide = 0.0, narrow = 0.0;
   for (std::size_t i = 0; i + 1 < series.scene.size(); ++i) {
     const SceneRow& row = series.scene[i];
-    if (row.time_ns < from_ns || ball >= row.ball_count) continue;
-    const double error = path_error(circle, row.p_WB[static_cast<std::size_t>(ball)]);
+    const double elapsed = seconds(row.time_ns - start_ns);
+    if (!(elapsed >= judged_from) || ball >= row.ball_count) continue;
+    const double error =
+        planner::path_error(task, elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
     const double duration = seconds(series.scene[i + 1].time_ns - row.time_ns);
     rows.push_back({error, duration});
     total += duration;
@@ -54,6 +54,22 @@ BallFigures ball_figures(const Series& series, const Circle& circle, int ball,
   figures.in_band_2cm = wide / total;
   figures.in_band_1cm = narrow / total;
   return figures;
+}
+
+/// The worst of each figure over the balls; kNone where one ball has none.
+BallFigures worst_figures(const Series& series, const planner::Task& task, int balls,
+                          std::int64_t start_ns, double judged_from) {
+  if (balls == 0) return {};
+  BallFigures worst = ball_figures(series, task, 0, start_ns, judged_from);
+  for (int ball = 1; ball < balls; ++ball) {
+    const BallFigures figures = ball_figures(series, task, ball, start_ns, judged_from);
+    worst.rms_error = std::max(worst.rms_error, figures.rms_error);
+    worst.p95_error = std::max(worst.p95_error, figures.p95_error);
+    worst.max_error = std::max(worst.max_error, figures.max_error);
+    worst.in_band_2cm = std::min(worst.in_band_2cm, figures.in_band_2cm);
+    worst.in_band_1cm = std::min(worst.in_band_1cm, figures.in_band_1cm);
+  }
+  return worst;
 }
 
 /// Rows per second between the first and the last one; kNone for fewer than two.
@@ -111,8 +127,36 @@ void add_vision(const Series& series, Figures& figures) {
   }
 }
 
-void add_criteria(const std::vector<Limit>& limits, const BallFigures& after_quarter,
-                  Figures& figures) {
+void add_course(const Series& series, const planner::Task& task, Figures& figures) {
+  figures.unit = unit(task);
+  const auto start_ns = task_start_ns(series);
+  if (!start_ns) return;
+  figures.task_start = seconds(*start_ns - cli::start_ns(series));
+  Course course(task);
+  int balls = 0;
+  for (const SceneRow& row : series.scene) {
+    balls = std::max(balls, row.ball_count);
+    if (row.time_ns >= *start_ns) course.add(seconds(row.time_ns - *start_ns), row);
+  }
+  figures.loops_completed = course.completed();
+  figures.loop_times = course.times();
+  figures.turns = course.amount();
+  for (int ball = 0; ball < balls; ++ball)
+    figures.balls.push_back(ball_figures(series, task, ball, *start_ns, 0.0));
+  const double from = course.judged_from();
+  figures.judged = worst_figures(series, task, balls, *start_ns, from);
+  if (const auto* path = std::get_if<planner::PathTask>(&task)) {
+    const auto figures_of = [&](planner::Between between) {
+      planner::PathTask read = *path;
+      read.between = between;
+      return worst_figures(series, read, balls, *start_ns, from);
+    };
+    figures.path = {figures_of(planner::Between::kHold),
+                    figures_of(planner::Between::kInterpolate)};
+  }
+}
+
+void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
   const auto value_of = [&](const std::string& name) {
     if (name == "loops_completed") return static_cast<double>(figures.loops_completed);
     if (name == "max_loop_time_s") {
@@ -120,8 +164,11 @@ void add_criteria(const std::vector<Limit>& limits, const BallFigures& after_qua
                  ? kNone
                  : *std::max_element(figures.loop_times.begin(), figures.loop_times.end());
     }
-    if (name == "in_band_2cm") return after_quarter.in_band_2cm;
-    if (name == "in_band_1cm") return after_quarter.in_band_1cm;
+    if (name == "in_band_2cm") return figures.judged.in_band_2cm;
+    if (name == "in_band_1cm") return figures.judged.in_band_1cm;
+    if (name == "path_error_rms_m") return figures.judged.rms_error;
+    if (name == "path_error_p95_m") return figures.judged.p95_error;
+    if (name == "path_error_max_m") return figures.judged.max_error;
     if (name == "tracking_error_p95_m") return figures.tracking_error.p95;
     if (name == "vision_error_p95_m") return figures.vision_error.p95;
     return kNone;
@@ -141,37 +188,6 @@ std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
     if (limit.max) results.push_back({limit.name, value, *limit.max, value <= *limit.max});
   }
   return results;
-}
-
-void LoopCounter::add(double time, const Eigen::Vector2d& p_WB) {
-  const Eigen::Vector2d arm = p_WB - circle_.center;
-  const double sign = circle_.clockwise ? 1.0 : -1.0;
-  const double alpha = sign * std::atan2(arm.x(), arm.y());
-  if (!started_) {
-    started_ = true;
-    last_alpha_ = alpha;
-    last_time_ = loop_start_ = time;
-    return;
-  }
-  const double step = wrap(alpha - last_alpha_);
-  // the instant at which the angle passed a mark between the last position and this one
-  const auto passed = [&](double mark) {
-    return last_time_ + (time - last_time_) * (mark - angle_) / step;
-  };
-  if (std::isnan(quarter_time_) && angle_ + step >= 0.5 * M_PI) quarter_time_ = passed(0.5 * M_PI);
-  const double next_mark = 2.0 * M_PI * (completed() + 1);
-  if (angle_ + step >= next_mark) {
-    const double at = passed(next_mark);
-    times_.push_back(at - loop_start_);
-    loop_start_ = at;
-  }
-  angle_ += step;
-  last_alpha_ = alpha;
-  last_time_ = time;
-}
-
-double path_error(const Circle& circle, const Eigen::Vector3d& p_WB) {
-  return std::abs((p_WB.head<2>() - circle.center).norm() - circle.radius);
 }
 
 Spread spread(std::vector<double> samples) {
@@ -226,36 +242,12 @@ Latencies latencies(const Series& series) {
   return result;
 }
 
-Figures evaluate(const Series& series, const Circle& circle, const std::vector<Limit>& limits) {
+Figures evaluate(const Series& series, const planner::Task& task,
+                 const std::vector<Limit>& limits) {
   Figures figures;
-  const std::int64_t zero = start_ns(series);
-  if (!series.scene.empty()) figures.duration = seconds(series.scene.back().time_ns - zero);
-
-  const auto first_rolling = std::find_if(series.plan.begin(), series.plan.end(),
-                                          [](const PlanRow& plan) { return plan.rolling; });
-  BallFigures after_quarter;
-  if (first_rolling != series.plan.end()) {
-    const std::int64_t from_ns = first_rolling->time_ns;
-    figures.task_start = seconds(from_ns - zero);
-    LoopCounter loops(circle);
-    int balls = 0;
-    for (const SceneRow& row : series.scene) {
-      balls = std::max(balls, row.ball_count);
-      if (row.time_ns >= from_ns && row.ball_count > 0)
-        loops.add(seconds(row.time_ns - zero), row.p_WB[0].head<2>());
-    }
-    figures.loops_completed = loops.completed();
-    figures.loop_times = loops.times();
-    figures.turns = loops.turns();
-    for (int ball = 0; ball < balls; ++ball)
-      figures.balls.push_back(ball_figures(series, circle, ball, from_ns));
-    if (!std::isnan(loops.quarter_time())) {
-      const std::int64_t quarter_ns =
-          zero + static_cast<std::int64_t>(std::llround(loops.quarter_time() / kNs));
-      after_quarter = ball_figures(series, circle, 0, quarter_ns);
-    }
-  }
-
+  if (!series.scene.empty())
+    figures.duration = seconds(series.scene.back().time_ns - start_ns(series));
+  add_course(series, task, figures);
   figures.tracking_error = spread(tracking_error(series).error);
   std::vector<double> solve_times;
   for (const PlanRow& plan : series.plan) {
@@ -281,7 +273,7 @@ Figures evaluate(const Series& series, const Circle& circle, const std::vector<L
         first_tracking != series.command.end() && row.time_ns >= first_tracking->time_ns;
     if (commanded) figures.success_rate_min = std::fmin(figures.success_rate_min, row.success_rate);
   }
-  add_criteria(limits, after_quarter, figures);
+  add_criteria(limits, figures);
   return figures;
 }
 

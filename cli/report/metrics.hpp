@@ -3,55 +3,16 @@
 // from the estimate.
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "cli/report/course.hpp"
 #include "cli/report/series.hpp"
 
 namespace c3rt::cli {
-
-constexpr double kNone =
-    std::numeric_limits<double>::quiet_NaN();  // a figure that the run does not give
-
-/// The circle that the ball is to follow.
-struct Circle {
-  Eigen::Vector2d center;  // in W [m]
-  double radius;           // [m]
-  bool clockwise;  // seen from above: α = atan2(x − x_c, y − y_c) increases (the paper's positive
-                   // lead)
-};
-
-/// Counts circles by the angle that the ball has gone about the centre in the task's direction.
-class LoopCounter {
- public:
-  explicit LoopCounter(const Circle& circle) : circle_(circle) {}
-  /// The first position starts the count. @param time [s]
-  void add(double time, const Eigen::Vector2d& p_WB);
-  double turns() const { return angle_ / (2.0 * M_PI); }  // net, in the task's direction
-  int completed() const {
-    return static_cast<int>(times_.size());
-  }  // full circles; going back does not undo one
-  const std::vector<double>& times() const { return times_; }  // of each full circle [s]
-  /// When the ball had gone a quarter of the first circle; kNone before.
-  double quarter_time() const { return quarter_time_; }
-
- private:
-  Circle circle_;
-  bool started_ = false;
-  double angle_ = 0.0;       // since the start [rad]
-  double last_alpha_ = 0.0;  // [rad]
-  double last_time_ = 0.0;   // [s]
-  double loop_start_ = 0.0;  // [s]
-  double quarter_time_ = kNone;
-  std::vector<double> times_;
-};
-
-/// Distance of the ball's centre to the circle, in the plane of the table [m].
-double path_error(const Circle& circle, const Eigen::Vector3d& p_WB);
 
 /// Quantiles by nearest rank; kNone without samples.
 struct Spread {
@@ -80,22 +41,31 @@ struct CriterionResult {
 std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
                                    const std::function<double(const std::string&)>& value_of);
 
+/// Of the distance of a ball to where it should be (planner::path_error), weighted by time.
 struct BallFigures {
-  double rms_error =
-      kNone;  // of the distance to the path, weighted by time, from the start of the task [m]
+  double rms_error = kNone;    // [m]
   double p95_error = kNone;    // [m]
   double max_error = kNone;    // [m]
-  double in_band_2cm = kNone;  // share of the time from the start of the task
+  double in_band_2cm = kNone;  // share of the time
   double in_band_1cm = kNone;
+};
+
+/// The error of a path in time, from its first second on, whichever of the two the planner follows.
+struct PathFigures {
+  BallFigures held;          // to the way-point of the time
+  BallFigures interpolated;  // to the point that moves between them
 };
 
 struct Figures {
   double duration = 0.0;      // of the recording [s]
   double task_start = kNone;  // first plan of the task itself, since the recording's start [s]
-  int loops_completed = 0;
-  double turns = 0.0;              // circles, with fractions
-  std::vector<double> loop_times;  // [s]
-  std::vector<BallFigures> balls;
+  int loops_completed = 0;    // circles, rounds of a path; 1 when all balls are at a line's end
+  double turns = 0.0;         // Course::amount()
+  std::string unit;           // of turns: circles, rounds, balls
+  std::vector<double> loop_times;   // [s]
+  std::vector<BallFigures> balls;   // from the start of the task
+  BallFigures judged;               // what criteria look at: the worst ball's, when it has settled
+  std::optional<PathFigures> path;  // of a task in time
   Spread tracking_error;        // |p_WE − p_WE_desired|, without the first second of tracking [m]
   double planner_rate = kNone;  // [Hz]
   Spread solve_time;            // [s]
@@ -114,9 +84,9 @@ struct Figures {
   std::vector<CriterionResult> criteria;
 };
 
-/// Everything at once. The criteria look at the time after the first quarter circle; a ball that
-/// never got there meets no band, so that a parked end effector cannot pass.
-Figures evaluate(const Series& series, const Circle& circle, const std::vector<Limit>& limits);
+/// Everything at once. The criteria look at the time from Course::judged_from() on: a ball that
+/// never got a quarter round its circle meets no band, so that a parked end effector cannot pass.
+Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits);
 
 /// The rows behind the pictures, thinned to what an eye can see.
 struct TrackingError {

@@ -1,8 +1,10 @@
 #include "cli/report/pictures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "cli/report/gnuplot.hpp"
@@ -25,52 +27,86 @@ const char* axes(bool any) {
              : "set xrange [0:1]\nset yrange [0:1]\nset nokey\n";
 }
 
-std::string circle_points(const Circle& circle, double radius) {
-  std::string points;
-  for (int i = 0; i <= 240; ++i) {
-    const double angle = 2.0 * M_PI * i / 240.0;
-    points += fmt::format("{:.6f} {:.6f}\n", circle.center.x() + radius * std::cos(angle),
-                          circle.center.y() + radius * std::sin(angle));
+/// The course of one ball from the task's begin; with its first point in `start`.
+std::string track(const Series& series, double from, std::size_t ball, Eigen::AlignedBox2d& box,
+                  std::string& start) {
+  std::string rows;
+  const std::size_t step = stride(series.scene.size());
+  for (std::size_t i = 0; i < series.scene.size(); i += step) {
+    const SceneRow& row = series.scene[i];
+    if (static_cast<int>(ball) >= row.ball_count ||
+        static_cast<double>(row.time_ns - start_ns(series)) * 1e-9 < from)
+      continue;
+    const Eigen::Vector2d p_WB = row.p_WB[ball].head<2>();
+    const std::string point = fmt::format("{:.6f} {:.6f}\n", p_WB.x(), p_WB.y());
+    if (rows.empty()) start += point;
+    rows += point;
+    box.extend(p_WB);
+  }
+  return rows.empty() ? "NaN NaN\n" : rows;
+}
+
+/// Points a millimetre or two apart along the desired path: discs about them make its band.
+std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) {
+  constexpr double kSpacing = 0.002;  // [m]
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Eigen::Vector2d way = corners[i + 1] - corners[i];
+    const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / kSpacing)));
+    for (int part = 0; part <= parts; ++part) points.push_back(corners[i] + way * part / parts);
   }
   return points;
 }
 
 std::string path_script(const std::filesystem::path& file, const Series& series,
-                        const Circle& circle, const Figures& figures, const std::string& title) {
+                        const planner::Task& task, const Figures& figures,
+                        const std::string& title) {
+  static constexpr std::array<const char*, kMaxBalls> kColours{"black", "#1b7837", "#b35806",
+                                                               "#7b3294"};
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
-  std::string ball, start;
-  const std::size_t step = stride(series.scene.size());
-  double reach = circle.radius + 2.0 * kBand;
-  for (std::size_t i = 0; i < series.scene.size(); i += step) {
-    const SceneRow& row = series.scene[i];
-    if (row.ball_count == 0 || static_cast<double>(row.time_ns - start_ns(series)) * 1e-9 < from)
-      continue;
-    const Eigen::Vector2d p_WB = row.p_WB[0].head<2>();
-    ball += fmt::format("{:.6f} {:.6f}\n", p_WB.x(), p_WB.y());
-    if (start.empty()) start = ball;
-    // a lost ball must not shrink the circle to a point
-    reach = std::max(reach, std::min((p_WB - circle.center).norm() + kBand, 3.0 * circle.radius));
+  const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
+  Eigen::AlignedBox2d box;
+  std::string script = terminal(file, 720, 760), start, plots;
+  for (std::size_t ball = 0; ball < balls; ++ball) {
+    script +=
+        fmt::format("$ball{} << EOD\n", ball) + track(series, from, ball, box, start) + "EOD\n";
+    const std::string name = balls > 1 ? fmt::format("ball {}", ball + 1) : "ball";
+    plots += fmt::format(", $ball{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'", ball,
+                         kColours[ball], name);
   }
-  std::string script = terminal(file, 720, 760);
-  script += "$outer << EOD\n" + circle_points(circle, circle.radius + kBand) + "EOD\n";
-  script +=
-      "$inner << EOD\n" + circle_points(circle, std::max(0.0, circle.radius - kBand)) + "EOD\n";
-  script += "$wanted << EOD\n" + circle_points(circle, circle.radius) + "EOD\n";
-  script += "$ball << EOD\n" + (ball.empty() ? "NaN NaN\n" : ball) + "EOD\n";
+  // a line begins where its farthest ball does
+  const auto* line = std::get_if<planner::LineTask>(&task);
+  const double y_start = line == nullptr || box.isEmpty() ? 0.0
+                         : line->step < 0.0               ? box.max().y()
+                                                          : box.min().y();
+  const std::vector<Eigen::Vector2d> corners = outline(task, y_start);
+  // a lost ball must not shrink the path to a point
+  Eigen::AlignedBox2d wanted;
+  for (const Eigen::Vector2d& corner : corners) wanted.extend(corner);
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.2);
+  box = box.intersection(Eigen::AlignedBox2d(wanted.min() - margin, wanted.max() + margin));
+  box.extend(wanted);
+  const Eigen::Vector2d center = box.center();
+  const double reach = 0.5 * box.sizes().maxCoeff() + 2.0 * kBand;
+  const auto points = [](const std::vector<Eigen::Vector2d>& list) {
+    std::string rows;
+    for (const Eigen::Vector2d& p : list) rows += fmt::format("{:.6f} {:.6f}\n", p.x(), p.y());
+    return rows;
+  };
+  script += "$band << EOD\n" + points(dense(corners)) + "EOD\n";
+  script += "$wanted << EOD\n" + points(corners) + "EOD\n";
   script += "$start << EOD\n" + (start.empty() ? "NaN NaN\n" : start) + "EOD\n";
   script += fmt::format(
       "set title {} noenhanced\nset xlabel 'x [m]'\nset ylabel 'y [m]'\nset size ratio -1\n",
       quoted(title));
-  script +=
-      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", circle.center.x() - reach,
-                  circle.center.x() + reach, circle.center.y() - reach, circle.center.y() + reach);
-  script +=
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", center.x() - reach,
+                        center.x() + reach, center.y() - reach, center.y() + reach);
+  script += fmt::format(
       "set key below horizontal\nset grid front\n"
-      "plot $outer with filledcurves closed fc rgb '#f8cfdc' fs solid noborder title '2 cm band',"
-      " $inner with filledcurves closed fc rgb 'white' fs solid noborder notitle,"
-      " $wanted with lines dt 2 lw 2 lc rgb '#1f5fd0' title 'desired path',"
-      " $ball with lines lw 1.6 lc rgb 'black' title 'ball (ground truth)',"
-      " $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n";
+      "plot $band using 1:2:({}) with circles fc rgb '#f8cfdc' fs solid noborder title '2 cm band',"
+      " $wanted with lines dt 2 lw 2 lc rgb '#1f5fd0' title 'desired path'{},"
+      " $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n",
+      kBand, plots);
   return script;
 }
 
@@ -137,7 +173,8 @@ std::string histogram_panel(const std::string& name, const std::string& label,
 }  // namespace
 
 std::string draw_pictures(const std::filesystem::path& directory, const Series& series,
-                          const Circle& circle, const Figures& figures, const std::string& title) {
+                          const planner::Task& task, const Figures& figures,
+                          const std::string& title) {
   const Latencies measured = latencies(series);
   std::vector<double> solve_times;
   for (const PlanRow& plan : series.plan) {
@@ -150,7 +187,7 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
       histogram_panel("torque", "exposure to torque", measured.exposure_to_torque) +
       "unset multiplot\n";
   const std::vector<std::pair<std::string, std::string>> pictures{
-      {"path.png", path_script(directory / "path.png", series, circle, figures, title)},
+      {"path.png", path_script(directory / "path.png", series, task, figures, title)},
       {"end_effector_error.png",
        tracking_script(directory / "end_effector_error.png", series, title)},
       {"solve_time.png", terminal(directory / "solve_time.png", 820, 420) +

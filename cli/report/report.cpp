@@ -23,6 +23,22 @@ std::string shown(const Spread& spread, double per_unit, int digits) {
                      shown(spread.p95, per_unit, digits), shown(spread.max, per_unit, digits));
 }
 
+ordered_json to_json(const BallFigures& ball) {
+  return {{"rms_error_m", number(ball.rms_error)},
+          {"p95_error_m", number(ball.p95_error)},
+          {"max_error_m", number(ball.max_error)},
+          {"in_band_2cm", number(ball.in_band_2cm)},
+          {"in_band_1cm", number(ball.in_band_1cm)}};
+}
+
+std::string shown(const BallFigures& ball) {
+  constexpr double kMilli = 1e3, kPercent = 1e2;
+  return fmt::format("rms {} mm  p95 {} mm  max {} mm  in 2 cm {} %  in 1 cm {} %",
+                     shown(ball.rms_error, kMilli, 1), shown(ball.p95_error, kMilli, 1),
+                     shown(ball.max_error, kMilli, 1), shown(ball.in_band_2cm, kPercent, 1),
+                     shown(ball.in_band_1cm, kPercent, 1));
+}
+
 }  // namespace
 
 bool all_met(const std::vector<CriterionResult>& criteria) {
@@ -33,13 +49,11 @@ bool all_met(const std::vector<CriterionResult>& criteria) {
 ordered_json to_json(const Report& report) {
   const Figures& figures = report.figures;
   ordered_json balls = ordered_json::array();
-  for (const BallFigures& ball : figures.balls) {
-    balls.push_back({{"rms_error_m", number(ball.rms_error)},
-                     {"p95_error_m", number(ball.p95_error)},
-                     {"max_error_m", number(ball.max_error)},
-                     {"in_band_2cm", number(ball.in_band_2cm)},
-                     {"in_band_1cm", number(ball.in_band_1cm)}});
-  }
+  for (const BallFigures& ball : figures.balls) balls.push_back(to_json(ball));
+  ordered_json path;  // null but for a task in time
+  if (figures.path)
+    path = {{"to_held_points", to_json(figures.path->held)},
+            {"to_interpolated_path", to_json(figures.path->interpolated)}};
   return {
       {"scenario", report.scenario},
       {"seed", report.seed},
@@ -50,6 +64,8 @@ ordered_json to_json(const Report& report) {
       {"loops_completed", figures.loops_completed},
       {"loop_times_s", figures.loop_times},
       {"ball", balls},
+      {"judged", to_json(figures.judged)},
+      {"path", path},
       {"end_effector", {{"tracking_error_m", quantiles(figures.tracking_error)}}},
       {"planner",
        {{"rate_hz", number(figures.planner_rate)},
@@ -81,7 +97,7 @@ ordered_json to_json(const Report& report) {
 
 std::string summary(const Report& report) {
   const Figures& figures = report.figures;
-  constexpr double kMilli = 1e3, kPercent = 1e2;
+  constexpr double kMilli = 1e3;
   std::string loop_times;
   for (const double time : figures.loop_times) loop_times += fmt::format(" {:.1f}", time);
   std::string text;
@@ -92,14 +108,13 @@ std::string summary(const Report& report) {
                       report.result);
   line("duration", fmt::format("{} s, {} of real time", shown(figures.duration, 1, 1),
                                shown(report.real_time_factor, 1, 2)));
-  line("circles", fmt::format("{} ({:.2f} turns){}", figures.loops_completed, figures.turns,
-                              loop_times.empty() ? "" : ", in" + loop_times + " s"));
-  for (const BallFigures& ball : figures.balls) {
-    line("ball to path",
-         fmt::format("rms {} mm  p95 {} mm  max {} mm  in 2 cm {} %  in 1 cm {} %",
-                     shown(ball.rms_error, kMilli, 1), shown(ball.p95_error, kMilli, 1),
-                     shown(ball.max_error, kMilli, 1), shown(ball.in_band_2cm, kPercent, 1),
-                     shown(ball.in_band_1cm, kPercent, 1)));
+  line(figures.unit.c_str(),
+       fmt::format("{:.2f}{}", figures.turns,
+                   loop_times.empty() ? "" : ", done in" + loop_times + " s"));
+  for (const BallFigures& ball : figures.balls) line("ball to path", shown(ball));
+  if (figures.path) {
+    line("after 1 s, to held", shown(figures.path->held));
+    line("to interpolated", shown(figures.path->interpolated));
   }
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
   line("planner",

@@ -3,6 +3,7 @@
 // order of time.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 namespace c3rt::cli {
 
 constexpr int kMaxBalls = 4;
+constexpr double kNone =
+    std::numeric_limits<double>::quiet_NaN();  // a figure that the run does not give
 
 inline std::array<Eigen::Vector3d, kMaxBalls> zeros() {
   std::array<Eigen::Vector3d, kMaxBalls> result;
@@ -49,6 +52,7 @@ struct CommandRow {
 /// plan
 struct PlanRow {
   std::int64_t time_ns = 0;
+  std::int64_t state_ns = 0;  // the robot state that it was made from
   std::int64_t exposure_ns = 0;
   bool rolling = false;    // roll or return: the task itself, after the approach
   bool truncated = false;  // the deadline struck

@@ -4,12 +4,6 @@
 
 namespace c3rt::planner {
 
-Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& ball) {
-  const Eigen::Vector2d from_center = ball - task.center;
-  const double alpha = std::atan2(from_center.x(), from_center.y()) + task.lead;
-  return task.center + task.radius * Eigen::Vector2d(std::sin(alpha), std::cos(alpha));
-}
-
 Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
   const double in_cycle = std::fmod(elapsed, parameters.return_duration + parameters.roll_duration);
   if (in_cycle >= parameters.return_duration) return Phase::kRoll;

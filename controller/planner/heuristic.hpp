@@ -1,17 +1,10 @@
 #pragma once
-// The time-based heuristic of Figure 10 and the state-based target of (25).
+// The time-based heuristic of Figure 10.
 #include <Eigen/Core>
 
 #include "controller/planner/parameters.hpp"
 
 namespace c3rt::planner {
-
-/// The ball's next desired position on the circle, (x, y) in W [m]:
-///
-///   α = atan2(x − x_c, y − y_c),  x_d = x_c + r sin(α + α^l),  y_d = y_c + r cos(α + α^l)
-///
-/// Source: [C3, eq. (25)].
-Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& ball);
 
 enum class Phase { kRoll, kReturnUp, kReturnSideways, kReturnDown };
 

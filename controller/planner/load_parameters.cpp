@@ -52,9 +52,9 @@ std::vector<model::BallContact> load_contacts(config::Section& model) {
 
 }  // namespace
 
-Parameters load_parameters(config::Section section, const CircleTask& circle) {
+Parameters load_parameters(config::Section section, const Task& task) {
   Parameters parameters{};
-  parameters.circle = circle;
+  parameters.task = task;
   parameters.rate = section.number("rate_hz", {1, 1000});
   parameters.publish_delay = section.number("publish_delay_s", {0, 0.2});
   parameters.valid_for = section.number("valid_for_s", {0.001, 5});

@@ -4,8 +4,8 @@
 
 namespace c3rt::planner {
 
-/// Reads the scenario's section `planner`; the circle comes from the section `task`.
+/// Reads the scenario's section `planner`; the task comes from the section `task`.
 /// @throws config::ConfigError naming file, line, key and the allowed range
-Parameters load_parameters(config::Section section, const CircleTask& circle);
+Parameters load_parameters(config::Section section, const Task& task);
 
 }  // namespace c3rt::planner

@@ -7,6 +7,7 @@
 
 #include "controller/c3/solver.hpp"
 #include "controller/model/ball_model.hpp"
+#include "controller/planner/task.hpp"
 
 namespace c3rt::planner {
 
@@ -51,12 +52,6 @@ struct ApproachParameters {
   double settle_time;  // C3 starts after this long in the start pose with a ball in view [s]
 };
 
-struct CircleTask {
-  Eigen::Vector2d center;  // in W [m]
-  double radius;           // [m]
-  double lead;             // α^l of (25); positive is clockwise seen from above [rad]
-};
-
 enum class DeltaTcSource {
   kPeriod,  // mean of the last measured control periods: the plan's age when the next one replaces
             // it
@@ -72,13 +67,13 @@ struct Parameters {
   int N;
   double dt;  // planning step Δt [s]
   model::BallModelParameters model;
-  ContactModel contact_model;                // of L_Δt; the step over Δt_c is Stewart and Trinkle's
+  ContactModel contact_model;  // of L_Δt; the step over Δt_c is Stewart and Trinkle's
   std::vector<model::BallContact> contacts;  // that L_Δt has; the step over Δt_c has them all
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;
   ApproachParameters approach;
-  CircleTask circle;
+  Task task;
   DeltaTcSource delta_t_c_source;
   double speed_limit;     // of the planned end effector [m/s]
   bool predict_ball;      // carry the estimated ball on to the time of the arm's state

@@ -175,7 +175,10 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       reference_ = input.p_WE;
       settled_since_ = -1.0;
     }
-    if (previous == Mode::kApproach && mode_ == Mode::kReturn) c3_since_ = input.now;
+    if (previous == Mode::kApproach && mode_ == Mode::kReturn) {
+      c3_since_ = input.now;
+      if (task_since_ < 0.0) task_since_ = input.now;
+    }
     if (in_c3 && !situation.ball_at_hand) ++counters_.ball_lost;
   }
 
@@ -202,6 +205,13 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   }
   plan_.mode = mode_;
   return plan_;
+}
+
+Eigen::Vector2d Planner::target(const Input& input, double ahead,
+                                const Eigen::Vector2d& ball) const noexcept {
+  if (input.circle) return circle_target(*input.circle, ball);
+  const double elapsed = task_since_ < 0.0 ? 0.0 : input.now - task_since_;
+  return planner::target(parameters_.task, elapsed, ahead, ball);
 }
 
 void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
@@ -250,8 +260,7 @@ void Planner::approach(const Input& input) noexcept {
   const bool arrived = advance_reference(input, goal);
   hold(reference_);
   if (!arrived) plan_.v_WE = (reference_ - before) / period;
-  const Eigen::Vector2d target = circle_target(input.circle, input.p_WB.head<2>());
-  plan_.ball_target << target, input.p_WB.z();
+  plan_.ball_target << target(input, 0.0, input.p_WB.head<2>()), input.p_WB.z();
   if ((input.p_WE - start).norm() > parameters_.approach.tolerance) {
     settled_since_ = -1.0;
   } else if (settled_since_ < 0.0) {
@@ -265,8 +274,8 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const Eigen::Vector3d p_WB = parameters_.predict_ball
                                    ? Eigen::Vector3d(input.p_WB + input.ball_age * input.v_WB)
                                    : input.p_WB;
-  const Eigen::Vector2d target = circle_target(input.circle, p_WB.head<2>());
-  const Eigen::Vector2d e = target - p_WB.head<2>();
+  const Eigen::Vector2d target_now = target(input, 0.0, p_WB.head<2>());
+  const Eigen::Vector2d e = target_now - p_WB.head<2>();
 
   // Algorithm 3, steps 1 and 2: x̂ and the LCS about it
   model::BallState state{input.p_WE, input.q_WB, p_WB, input.v_WE, input.omega_WB, input.v_WB};
@@ -285,13 +294,15 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
   model::BallState desired{};
   desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase, state.p_WE,
-                                     state.p_WB, target);
+                                     state.p_WB, target_now);
   desired.q_WB.setIdentity();
-  desired.p_WB << target, ball_height;
+  desired.p_WB << target_now, ball_height;
   desired.v_WE.setZero();
   desired.omega_WB.setZero();
   desired.v_WB.setZero();
   work.x_desired.colwise() = Eigen::VectorXd(model::to_vector(desired));
+  for (int k = 1; k <= parameters_.N; ++k)
+    work.x_desired.col(k).segment<2>(L::p_WB) = target(input, k * parameters_.dt, p_WB.head<2>());
 
   // step 3: Algorithm 1
   work.use(phase);

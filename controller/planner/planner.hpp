@@ -3,6 +3,7 @@
 // λ_d).
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -34,7 +35,7 @@ struct Input {
   Eigen::Vector3d p_WB, v_WB, omega_WB;
   Eigen::Quaterniond q_WB;
   bool hold_requested;
-  CircleTask circle;  // the scenario's or a client's
+  std::optional<CircleTask> circle;  // a client's, in place of the scenario's task
   double solve_time;  // duration of the previous solve [s], for DeltaTcSource::kSolveTime
 };
 
@@ -78,6 +79,8 @@ class Planner {
   struct Workspace;
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
+  Eigen::Vector2d target(const Input& input, double ahead,
+                         const Eigen::Vector2d& ball) const noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;
   bool advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept;
 
@@ -87,6 +90,7 @@ class Planner {
   Mode mode_ = Mode::kWait;
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();  // of approach and hold
   double previous_now_ = -1.0, settled_since_ = -1.0, c3_since_ = -1.0;
+  double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   std::unique_ptr<Workspace> workspace_;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <optional>
 
 #include <spdlog/spdlog.h>
 
@@ -45,7 +46,7 @@ struct Inputs {
   wire::RobotState state{};
   wire::BallEstimate estimate{};
   bool has_state = false, has_estimate = false, hold = false;
-  planner::CircleTask circle{};
+  std::optional<planner::CircleTask> circle;
   std::int64_t stall_until_ns = 0, nan_until_ns = 0;
 };
 
@@ -56,13 +57,13 @@ bool usable(const wire::TaskTarget& target) {
 }
 
 // what strangers write is checked here; @return a sentence for the log, empty if nothing happened
-std::string take_target(Inputs& in, const planner::CircleTask& scenario_circle) {
+std::string take_target(Inputs& in) {
   wire::TaskTarget target{};
   std::string said;
   while (in.targets.take(target)) {
     switch (target.kind) {
       case c3rt_v1_TARGET_SCENARIO:
-        in.circle = scenario_circle;
+        in.circle.reset();
         in.hold = false;
         said = "target=scenario";
         break;
@@ -77,7 +78,8 @@ std::string take_target(Inputs& in, const planner::CircleTask& scenario_circle) 
               "pi] rad";
           break;
         }
-        in.circle = {{target.center_m[0], target.center_m[1]}, target.radius_m, target.lead_rad};
+        in.circle = planner::CircleTask{
+            {target.center_m[0], target.center_m[1]}, target.radius_m, target.lead_rad};
         in.hold = false;
         said = "target=circle";
         break;
@@ -214,7 +216,6 @@ int run(const config::ProcessOptions& options) {
   planner::Planner planner(parameters);
   model::Arm arm(impedance::urdf_of(scenario.impedance));
   Inputs in(bus);
-  in.circle = parameters.circle;
   wire::Writer<wire::Plan> writer(bus);
   wire::Writer<wire::ServiceReply> replies(bus);
   const std::int64_t period_ns = nanoseconds(1.0 / parameters.rate);
@@ -237,8 +238,7 @@ int run(const config::ProcessOptions& options) {
       in.estimate = estimate;
       in.has_estimate = true;
     }
-    if (const std::string said = take_target(in, parameters.circle); !said.empty())
-      spdlog::info("planner: {}", said);
+    if (const std::string said = take_target(in); !said.empty()) spdlog::info("planner: {}", said);
     take_requests(in, replies, now_ns);
     if (now_ns < in.stall_until_ns) continue;
 

@@ -7,6 +7,7 @@
 
 using c3rt::config::ConfigError;
 using c3rt::config::load_scenario;
+using c3rt::planner::CircleTask;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -22,14 +23,33 @@ std::string error_of(const std::vector<std::string>& overrides) {
   return "no error";
 }
 
+/// circle_slow with another section `task`.
+c3rt::config::Scenario with_task(const std::string& task) {
+  std::ifstream file(kFolder + "circle_slow.yaml");
+  std::ostringstream text;
+  text << file.rdbuf();
+  std::string whole = text.str();
+  const std::size_t at = whole.find("task:\n"), end = whole.find("\ncriteria:");
+  whole.replace(at, end - at, task);
+  return c3rt::config::read_scenario(c3rt::config::Document::parse(whole, "other.yaml"));
+}
+
+const std::string kPath =
+    "task: {kind: path, points_m: [[0.5, 0], [0.6, 0.1]], interval_s: 2, between: hold, "
+    "lead_s: 0.1, preview: true, loops: 3, duration_s: 20}";
+const std::string kLine =
+    "task: {kind: line, x_m: 0.55, step_m: -0.01, y_end_m: -0.1, duration_s: 20}";
+
 }  // namespace
 
 TEST_CASE("scenario: every shipped file can be loaded, and is named as its file") {
   for (const char* name : {"circle_slow", "circle_fast", "circle_vision"}) {
     const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
     CHECK(scenario.name == name);
-    CHECK(scenario.task.circle.radius == 0.1);
-    CHECK(scenario.planner.circle.lead == scenario.task.circle.lead);
+    const auto* circle = std::get_if<CircleTask>(&scenario.task.motion);
+    REQUIRE(circle != nullptr);
+    CHECK(circle->radius == 0.1);
+    CHECK(std::get<CircleTask>(scenario.planner.task).lead == circle->lead);
     CHECK_FALSE(scenario.criteria.empty());
     CHECK_FALSE(scenario.plant.world.balls.empty());
   }
@@ -55,6 +75,45 @@ TEST_CASE("scenario: a key of any room that is out of range is refused by line, 
   CHECK_THAT(error_of({"criteria.0.name=beauty"}), Contains("criteria.0.name: expected one of"));
   CHECK_THAT(error_of({"planner.c3.qp=gurobi"}),
              Contains("planner.c3.qp: expected one of direct, "));
+}
+
+TEST_CASE("scenario: each kind of task is read, and the planner has the same") {
+  const c3rt::config::Scenario path_scenario = with_task(kPath);
+  const auto& path = std::get<c3rt::planner::PathTask>(path_scenario.task.motion);
+  REQUIRE(path.points.size() == 2);
+  CHECK(path.points[1] == Eigen::Vector2d(0.6, 0.1));
+  CHECK(path.interval == 2.0);
+  CHECK(path.between == c3rt::planner::Between::kHold);
+  CHECK(path.lead == 0.1);
+  CHECK(path.preview);
+  CHECK(path_scenario.task.loops == 3);
+  CHECK(std::holds_alternative<c3rt::planner::PathTask>(path_scenario.planner.task));
+
+  const c3rt::config::Scenario line_scenario = with_task(kLine);
+  const auto& line = std::get<c3rt::planner::LineTask>(line_scenario.task.motion);
+  CHECK(line.x == 0.55);
+  CHECK(line.step == -0.01);
+  CHECK(line.y_end == -0.1);
+}
+
+TEST_CASE("scenario: a task's keys are those of its kind alone") {
+  const auto with = [](std::string task, const std::string& key) {
+    return task.replace(task.size() - 1, 1, ", " + key + "}");
+  };
+  CHECK_THROWS_WITH(with_task(with(kPath, "radius_m: 0.1")),
+                    Contains("task.radius_m: unknown key"));
+  CHECK_THROWS_WITH(with_task(with(kLine, "loops: 1")), Contains("task.loops: unknown key"));
+  CHECK_THROWS_WITH(with_task("task: {kind: circle, x_m: 0.5}"),
+                    Contains("task.center_m: missing"));
+  CHECK_THROWS_WITH(with_task("task: {kind: spiral}"),
+                    Contains("task.kind: expected one of circle, path, line"));
+  CHECK_THROWS_WITH(with_task("task: {kind: line, x_m: 0.55, step_m: 0, y_end_m: 0}"),
+                    Contains("task.step_m: expected a step that is not 0"));
+  CHECK_THROWS_WITH(with_task("task: {kind: path, points_m: [[0.5, 0], [0.6]]}"),
+                    Contains("task.points_m: expected a list of 2 to 1000 lists of 2 numbers") &&
+                        Contains("at place 2"));
+  CHECK_THROWS_WITH(with_task("task: {kind: path, points_m: [[0.5, 0]]}"),
+                    Contains("task.points_m: expected a list of 2 to 1000"));
 }
 
 TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {

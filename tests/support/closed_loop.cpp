@@ -54,7 +54,6 @@ void ClosedLoop::step_1ms() {
       input.omega_WB = newest_estimate_->omega_WB;
       input.q_WB = newest_estimate_->q_WB;
     }
-    input.circle = scenario_.planner.circle;
     input.solve_time = scenario_.timing.solve_time_s;
     plan_ = planner_.step(input);
     impedance::Plan plan;

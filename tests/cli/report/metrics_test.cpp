@@ -10,12 +10,12 @@ namespace {
 using namespace c3rt::cli;
 
 constexpr std::int64_t kMs = 1'000'000;
-const Circle kCircle{{0.55, 0.0}, 0.1, true};
+const c3rt::planner::CircleTask kCircle{{0.55, 0.0}, 0.1, 0.35};
 
 /// A ball that goes round a circle of `radius` about `center` at constant speed; 10 ms per row.
 Series orbit(const Eigen::Vector2d& center, double radius, double turns_per_s, double duration) {
   Series series;
-  series.plan.push_back({0, 0, true, false, false, 0.001});
+  series.plan.push_back({0, 0, 0, true, false, false, 0.001});
   for (int i = 0; i <= static_cast<int>(duration * 100.0 + 0.5); ++i) {
     const double angle = 2.0 * M_PI * turns_per_s * i * 0.01;
     SceneRow row{};
@@ -50,8 +50,8 @@ TEST_CASE("a ball on the circle at constant speed has no error and equal loop ti
 }
 
 TEST_CASE("loops count in the task's direction only") {
-  Circle other_way = kCircle;
-  other_way.clockwise = false;
+  c3rt::planner::CircleTask other_way = kCircle;
+  other_way.lead = -0.35;
   const Figures figures = evaluate(orbit(kCircle.center, 0.1, 0.05, 50.0), other_way, {});
   REQUIRE(figures.loops_completed == 0);
   REQUIRE(figures.turns == Approx(-2.5));
@@ -130,11 +130,101 @@ TEST_CASE("criteria on the band begin after the first quarter circle") {
 
 TEST_CASE("the task starts with the first plan that rolls, not with the approach") {
   Series series = orbit(kCircle.center, 0.1, 0.05, 40.0);
-  series.plan = {{0, 0, false, false, false, 0.0}, {10'000 * kMs, 0, true, false, false, 0.001}};
+  series.plan = {{0, 0, 0, false, false, false, 0.0},
+                 {10'020 * kMs, 10'000 * kMs, 0, true, false, false, 0.001}};
   const Figures figures = evaluate(series, kCircle, {});
   REQUIRE(figures.task_start == Approx(10.0));
   REQUIRE(figures.turns == Approx(1.5));
   REQUIRE(figures.loops_completed == 1);
+}
+
+namespace {
+/// A straight path there and back at 0.02 m/s, 0.02 m a way-point, and a ball that follows it
+/// `late` seconds late; 10 ms per row, the task begins after 3 s.
+const c3rt::planner::PathTask kThereAndBack{{{0.5, 0.0}, {0.52, 0.0}, {0.54, 0.0}, {0.52, 0.0}},
+                                            1.0,
+                                            c3rt::planner::Between::kInterpolate,
+                                            0.0,
+                                            true};
+Series follower(double late, double duration) {
+  Series series;
+  series.plan.push_back({3'020 * kMs, 3'000 * kMs, 0, true, false, false, 0.001});
+  for (int i = 0; i <= static_cast<int>(duration * 100.0 + 0.5); ++i) {
+    SceneRow row{};
+    row.time_ns = i * 10 * kMs;
+    row.ball_count = 1;
+    row.p_WB[0].head<2>() = path_point(kThereAndBack, 0.01 * i - 3.0 - late);
+    series.scene.push_back(row);
+  }
+  return series;
+}
+}  // namespace
+
+TEST_CASE("a path in time is judged by the distance to the point of the time") {
+  // half a second late at 0.02 m/s: 10 mm, but for the half second after each turn at an end, where
+  // point and ball pass each other: |10 mm - 40 mm/s t|, of mean square 100/3 mm²
+  const Figures figures = evaluate(follower(0.5, 43.0), kThereAndBack, {});
+  CHECK(figures.task_start == Approx(3.0));
+  CHECK(figures.turns == Approx(10.0));
+  CHECK(figures.loops_completed == 10);
+  CHECK(figures.unit == "rounds");
+  REQUIRE(figures.path);
+  CHECK(figures.judged.max_error == Approx(0.01).margin(1e-9));
+  const double rms = std::sqrt((3.0 * 100.0 + 1.0 * 100.0 / 3.0) / 4.0) * 1e-3;
+  CHECK(figures.judged.rms_error == Approx(rms).epsilon(0.01));
+  CHECK(figures.path->interpolated.rms_error == Approx(figures.judged.rms_error));
+}
+
+TEST_CASE("held way-points show a ball that follows the interpolated path without error as late") {
+  // the error to the held point grows from 0 to 20 mm in every interval: its mean square is
+  // (20 mm)²/3
+  const Figures figures = evaluate(follower(0.0, 43.0), kThereAndBack, {});
+  CHECK(figures.judged.max_error < 1e-9);
+  REQUIRE(figures.path);
+  CHECK(figures.path->held.rms_error == Approx(0.02 / std::sqrt(3.0)).epsilon(0.01));
+  CHECK(figures.path->held.max_error == Approx(0.02).epsilon(0.02));
+}
+
+TEST_CASE("criteria on a path look at the time after its first second") {
+  Series series = follower(0.0, 13.0);
+  for (SceneRow& row : series.scene) {
+    if (row.time_ns < 4'000 * kMs) row.p_WB[0].y() += 0.05;
+  }
+  const std::vector<Limit> limits{{"path_error_max_m", {}, 0.02}, {"path_error_rms_m", {}, 0.01}};
+  const Figures figures = evaluate(series, kThereAndBack, limits);
+  REQUIRE(figures.balls.at(0).max_error == Approx(0.05));
+  for (const CriterionResult& result : figures.criteria) {
+    CHECK(result.value < 1e-9);
+    CHECK(result.met);
+  }
+  const Series late = follower(1.5, 43.0);  // 30 mm
+  CHECK_FALSE(evaluate(late, kThereAndBack, {limits[0]}).criteria.at(0).met);
+}
+
+TEST_CASE("a line is done when all balls are past its end, and the worst ball is judged") {
+  const c3rt::planner::LineTask line{0.55, -0.01, -0.1};
+  Series series;
+  series.plan.push_back({0, 0, 0, true, false, false, 0.001});
+  for (int i = 0; i <= 1000; ++i) {  // both at 0.05 m/s; the second is 0.1 m behind and 5 mm beside
+    SceneRow row{};
+    row.time_ns = i * 10 * kMs;
+    row.ball_count = 2;
+    row.p_WB[0] = {0.55, 0.1 - 0.0005 * i, 0.0};
+    row.p_WB[1] = {0.555, 0.2 - 0.0005 * i, 0.0};
+    series.scene.push_back(row);
+  }
+  const Figures figures = evaluate(series, line, {{"path_error_max_m", {}, 0.004}});
+  CHECK(figures.loops_completed == 1);
+  CHECK(figures.turns == 2.0);
+  REQUIRE(figures.loop_times.size() == 1);
+  CHECK(figures.loop_times[0] == Approx(6.0).margin(0.011));  // 0.3 m at 0.05 m/s
+  CHECK(figures.judged.max_error == Approx(0.005));
+  CHECK_FALSE(figures.criteria.at(0).met);
+
+  for (SceneRow& row : series.scene) row.p_WB[1].y() = 0.2;  // the second stays
+  const Figures stuck = evaluate(series, line, {});
+  CHECK(stuck.loops_completed == 0);
+  CHECK(stuck.turns == 1.0);
 }
 
 TEST_CASE("without a plan that rolls there is nothing to count") {
@@ -172,8 +262,8 @@ TEST_CASE(
 
 TEST_CASE("the way from exposure to torque ends at the first command of each plan") {
   Series series;
-  series.plan = {{20 * kMs, 5 * kMs, true, false, false, 0.001},
-                 {33 * kMs, 18 * kMs, true, true, false, 0.001}};
+  series.plan = {{20 * kMs, 0, 5 * kMs, true, false, false, 0.001},
+                 {33 * kMs, 0, 18 * kMs, true, true, false, 0.001}};
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   series.command = {{21 * kMs, 20 * kMs, 5 * kMs, 20 * kMs, true, none},
                     {22 * kMs, 21 * kMs, 5 * kMs, 20 * kMs, true, none},  // the same plan again

@@ -29,8 +29,9 @@ TEST_CASE("the report has exactly the keys that other programs read") {
   report.figures.criteria = {{"in_band_2cm", 0.97, 0.95, true}};
   const ordered_json json = to_json(report);
   REQUIRE(keys(json) == Names{"scenario", "seed", "clock", "duration_s", "result", "criteria",
-                              "loops_completed", "loop_times_s", "ball", "end_effector", "planner",
-                              "impedance", "vision", "latency", "plant", "log_hash"});
+                              "loops_completed", "loop_times_s", "ball", "judged", "path",
+                              "end_effector", "planner", "impedance", "vision", "latency", "plant",
+                              "log_hash"});
   const Names quantiles{"p50", "p95", "p99", "max"};
   REQUIRE(keys(json["criteria"][0]) == Names{"name", "value", "limit", "met"});
   REQUIRE(keys(json["ball"][0]) ==
@@ -57,7 +58,7 @@ TEST_CASE("what a run did not give is null, not a number that looks like one") {
 
 TEST_CASE("every picture is drawn, also of a run without a single sample") {
   const Folder folder;
-  const Circle circle{{0.55, 0.0}, 0.1, true};
+  const c3rt::planner::CircleTask circle{{0.55, 0.0}, 0.1, 0.35};
   REQUIRE(draw_pictures(folder.path(), Series{}, circle, Figures{}, "a \"quoted\" title") == "");
   for (const char* name : {"path.png", "end_effector_error.png", "solve_time.png", "latency.png"}) {
     INFO(name);

@@ -18,19 +18,18 @@ struct Course {
 Course run(const std::string& scenario_name, std::uint64_t seed, double seconds) {
   const config::Scenario scenario = config::load_scenario(
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
+  const auto& circle = std::get<planner::CircleTask>(scenario.task.motion);
   test::ClosedLoop loop(scenario, seed);
   Course course;
   double previous = 0.0;
   while (loop.time() < seconds) {
     loop.step_1ms();
-    const Eigen::Vector2d ball =
-        loop.plant().state().balls[0].p_WB.head<2>() - scenario.task.circle.center;
+    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>() - circle.center;
     const double alpha = std::atan2(ball.x(), ball.y());
     course.turns += std::remainder(alpha - previous, 2.0 * M_PI) / (2.0 * M_PI);
     previous = alpha;
     if (course.turns > 0.25)
-      course.largest_error =
-          std::max(course.largest_error, std::abs(ball.norm() - scenario.task.circle.radius));
+      course.largest_error = std::max(course.largest_error, std::abs(ball.norm() - circle.radius));
   }
   return course;
 }

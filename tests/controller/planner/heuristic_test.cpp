@@ -11,27 +11,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
-const CircleTask kCircle{{0.55, 0.0}, 0.1, 20.0 * M_PI / 180.0};
 const HeuristicParameters kHeuristic{1.0, 0.5, 0.004, 0.02, {0.0951, 0.0911, 0.0691}};
 const c3rt::model::BallModelParameters kModel{0.01, 0.0195, 0.132, 0.0315, -0.0245, 1.0, 1.0};
 }  // namespace
-
-TEST_CASE("circle target: it lies on the circle, the lead ahead, clockwise seen from above") {
-  // phase 0 is the positive y axis; 20 degrees on, x has grown
-  const Vector2d target = circle_target(kCircle, {0.55, 0.1});
-  CHECK(target.x() == Approx(0.55 + 0.1 * std::sin(kCircle.lead)));
-  CHECK(target.y() == Approx(0.1 * std::cos(kCircle.lead)));
-  for (double phase = -3.0; phase < 3.2; phase += 0.3) {
-    for (const double radius : {0.02, 0.1, 0.3}) {
-      const Vector2d ball = kCircle.center + radius * Vector2d(std::sin(phase), std::cos(phase));
-      const Vector2d on_circle = circle_target(kCircle, ball) - kCircle.center;
-      CHECK(on_circle.norm() == Approx(0.1));
-      const double turned =
-          std::remainder(std::atan2(on_circle.x(), on_circle.y()) - phase, 2.0 * M_PI);
-      CHECK(turned == Approx(kCircle.lead));
-    }
-  }
-}
 
 TEST_CASE(
     "heuristic: a cycle is half a second of return in three parts, then a second of rolling") {

@@ -32,7 +32,6 @@ Input input_at(double now, const Vector3d& p_WE) {
   input.v_WB.setZero();
   input.omega_WB.setZero();
   input.q_WB.setIdentity();
-  input.circle = parameters().circle;
   input.solve_time = 0.002;
   return input;
 }

@@ -1,0 +1,58 @@
+#include "controller/planner/task.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace c3rt::planner {
+
+Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& ball) noexcept {
+  const Eigen::Vector2d from_center = ball - task.center;
+  const double alpha = std::atan2(from_center.x(), from_center.y()) + task.lead;
+  return task.center + task.radius * Eigen::Vector2d(std::sin(alpha), std::cos(alpha));
+}
+
+Eigen::Vector2d path_point(const PathTask& task, double elapsed) noexcept {
+  const double place = std::fmod(std::max(elapsed, 0.0), round_duration(task)) / task.interval;
+  const std::size_t count = task.points.size();
+  const std::size_t i = std::min(static_cast<std::size_t>(place), count - 1);
+  if (task.between == Between::kHold) return task.points[i];
+  const double share = place - static_cast<double>(i);
+  return (1.0 - share) * task.points[i] + share * task.points[(i + 1) % count];
+}
+
+double round_duration(const PathTask& task) noexcept {
+  return task.interval * static_cast<double>(task.points.size());
+}
+
+bool past_end(const LineTask& task, double y) noexcept {
+  return task.step < 0.0 ? y <= task.y_end : y >= task.y_end;
+}
+
+Eigen::Vector2d target(const Task& task, double elapsed, double ahead,
+                       const Eigen::Vector2d& ball) noexcept {
+  if (const auto* circle = std::get_if<CircleTask>(&task)) return circle_target(*circle, ball);
+  if (const auto* path = std::get_if<PathTask>(&task))
+    return path_point(*path, elapsed + path->lead + (path->preview ? ahead : 0.0));
+  const auto& line = *std::get_if<LineTask>(&task);
+  return {line.x, ball.y() + line.step};
+}
+
+double path_error(const Task& task, double elapsed, const Eigen::Vector2d& ball) noexcept {
+  if (const auto* circle = std::get_if<CircleTask>(&task))
+    return std::abs((ball - circle->center).norm() - circle->radius);
+  if (const auto* path = std::get_if<PathTask>(&task))
+    return (ball - path_point(*path, elapsed)).norm();
+  return std::abs(ball.x() - std::get_if<LineTask>(&task)->x);
+}
+
+Eigen::Vector2d middle(const Task& task) noexcept {
+  if (const auto* circle = std::get_if<CircleTask>(&task)) return circle->center;
+  if (const auto* path = std::get_if<PathTask>(&task)) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector2d& point : path->points) sum += point;
+    return sum / static_cast<double>(path->points.size());
+  }
+  return {std::get_if<LineTask>(&task)->x, 0.0};
+}
+
+}  // namespace c3rt::planner

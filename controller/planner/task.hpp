@@ -1,0 +1,70 @@
+#pragma once
+// What the balls are to do: a value of three kinds.
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace c3rt::planner {
+
+/// State-based: round a circle, always a lead ahead of where the ball is. Source: [C3, eq. (25)].
+struct CircleTask {
+  Eigen::Vector2d center;  // in W [m]
+  double radius;           // [m]
+  double lead;             // α^l of (25); positive is clockwise seen from above [rad]
+};
+
+enum class Between {
+  kHold,         // x_d^b jumps from way-point to way-point (zero-order hold)
+  kInterpolate,  // and moves between them at constant speed
+};
+
+/// Time-based, x_d^b = x_d^b(t): way-points, one an interval, over and over. Its clock starts when
+/// C3 takes over from the approach. Source: [C3, section VII-D].
+struct PathTask {
+  std::vector<Eigen::Vector2d> points;  // in W, at least two [m]
+  double interval;                      // between way-points [s]
+  Between between;
+  double lead;   // the planner draws the ball to where it should be this much later [s]
+  bool preview;  // stage k of the horizon has x_d^b(t + lead + k Δt), not that of stage 0
+};
+
+/// State-based, for several balls: every ball along one line of constant x, a step of y at a time,
+/// until all are past its end. Source: [C3, section VII-B].
+struct LineTask {
+  double x;      // of the line, in W [m]
+  double step;   // of y from where the ball is; its sign is the line's direction [m]
+  double y_end;  // where a ball has arrived [m]
+};
+
+using Task = std::variant<CircleTask, PathTask, LineTask>;
+
+/// The ball's next desired position on the circle, (x, y) in W [m]:
+///
+///   α = atan2(x − x_c, y − y_c),  x_d = x_c + r sin(α + α^l),  y_d = y_c + r cos(α + α^l)
+///
+/// Source: [C3, eq. (25)].
+Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& ball) noexcept;
+
+/// x_d^b(t), in W [m]. @param elapsed t since the task began [s]; before it, the first way-point
+Eigen::Vector2d path_point(const PathTask& task, double elapsed) noexcept;
+
+/// How long one round of all way-points takes [s].
+double round_duration(const PathTask& task) noexcept;
+
+/// Whether a ball at y has arrived.
+bool past_end(const LineTask& task, double y) noexcept;
+
+/// Where the planner draws a ball to at a stage of its horizon, in W [m].
+/// @param elapsed since the task began [s]  @param ahead of the stage [s]
+Eigen::Vector2d target(const Task& task, double elapsed, double ahead,
+                       const Eigen::Vector2d& ball) noexcept;
+
+/// How far the ball is from where it should be [m]: of a state-based task the distance to its line,
+/// of one in time the distance to the point x_d^b(t).
+double path_error(const Task& task, double elapsed, const Eigen::Vector2d& ball) noexcept;
+
+/// A point about which the task takes place, in W [m].
+Eigen::Vector2d middle(const Task& task) noexcept;
+
+}  // namespace c3rt::planner
