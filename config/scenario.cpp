@@ -105,7 +105,8 @@ Scenario read_scenario(Section root) {
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
   scenario.plant = plant::load_parameters(root.section("plant"));
   scenario.impedance = impedance::load_parameters(root.section("impedance"));
-  scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion);
+  scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
+                                              static_cast<int>(scenario.plant.world.balls.size()));
   scenario.vision = vision::load_parameters(root.section("vision"));
   root.finish();
   return scenario;

@@ -203,6 +203,18 @@ Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_s
   return values;
 }
 
+Eigen::VectorXd Section::one_or_each(const std::string& key, int size, Range allowed) {
+  const YAML::Node child = require(*node_, key);
+  if (child.IsSequence()) return numbers(key, size, allowed);
+  double value = 0.0;
+  if (!to_number(child, value) || value < allowed.min || value > allowed.max)
+    fail(key,
+         "a number in " + range_text(allowed) + ", or a list of " + std::to_string(size) +
+             " of them",
+         content(child));
+  return Eigen::VectorXd::Constant(size, value);
+}
+
 Eigen::MatrixXd Section::rows(const std::string& key, int min_rows, int max_rows, int columns,
                               Range allowed) {
   const YAML::Node child = require(*node_, key);

@@ -34,6 +34,8 @@ class Section {
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int min_size, int max_size, Range allowed);
+  /// One number for all, or a list of exactly `size` numbers.
+  Eigen::VectorXd one_or_each(const std::string& key, int size, Range allowed);
   /// A list of `min_rows`..`max_rows` lists of `columns` numbers each, as (rows x columns).
   Eigen::MatrixXd rows(const std::string& key, int min_rows, int max_rows, int columns,
                        Range allowed);

@@ -218,6 +218,15 @@ class Reader : public ReaderBase {
     while (take(out)) found = true;
     return found;
   }
+  /// Next sample in order whose time has come, for topics with several keys; see take_effective.
+  bool take_next_effective(std::int64_t now_ns, T& out) noexcept {
+    pump();
+    const int slot = front();
+    if (slot < 0 || slots_[slot].header.time_ns > now_ns) return false;
+    out = slots_[slot];
+    pop();
+    return true;
+  }
   /// Newest sample whose time has come: header.time_ns <= now_ns. Older ones are dropped, later
   /// ones stay.
   bool take_effective(std::int64_t now_ns, T& out) noexcept {

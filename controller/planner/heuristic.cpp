@@ -11,6 +11,18 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
   return part < 1.0 ? Phase::kReturnUp : part < 2.0 ? Phase::kReturnSideways : Phase::kReturnDown;
 }
 
+int ball_to_work_on(const Task& task, const Scene& scene) {
+  const auto* line = std::get_if<LineTask>(&task);
+  if (line == nullptr) return 0;
+  const double forward = line->step < 0.0 ? -1.0 : 1.0;
+  int last = 0;
+  for (int i = 1; i < scene.ball_count; ++i) {
+    const auto y = [&](int ball) { return scene.balls[static_cast<std::size_t>(ball)].p_WB.y(); };
+    if (forward * y(i) < forward * y(last)) last = i;
+  }
+  return last;
+}
+
 Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters,
                                     const model::BallModelParameters& model, Phase phase,
                                     const Eigen::Vector3d& end_effector,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "controller/planner/parameters.hpp"
+#include "controller/planner/scene.hpp"
 
 namespace c3rt::planner {
 
@@ -10,6 +11,10 @@ enum class Phase { kRoll, kReturnUp, kReturnSideways, kReturnDown };
 
 /// The phase at `elapsed` seconds after C3 took over; a cycle begins with Phase II.
 Phase phase_at(const HeuristicParameters& parameters, double elapsed);
+
+/// The ball that the end effector is to work on: along a line the one that is farthest behind, else
+/// the first. Source: [C3, section VII-B].
+int ball_to_work_on(const Task& task, const Scene& scene);
 
 /// Where the end effector is drawn to in this phase, in W [m].
 /// @param ball, target the ball's centre and its desired position; part "up" keeps the end

@@ -8,13 +8,14 @@ namespace {
 constexpr config::Range kWeight{0.0, 1e12};
 constexpr config::Range kPositiveWeight{1e-12, 1e12};
 
-PhaseWeights load_weights(config::Section section) {
+PhaseWeights load_weights(config::Section section, int balls) {
   PhaseWeights weights{};
   config::Section Q = section.section("Q");
   weights.Q_end_effector = Q.number("end_effector", kWeight);
   weights.Q_end_effector_velocity = Q.number("end_effector_velocity", kWeight);
-  weights.Q_ball_xy = Q.number("ball_xy", kWeight);
-  weights.Q_ball_z = Q.number("ball_z", kWeight);
+  const Eigen::VectorXd Q_ball_xy = Q.one_or_each("ball_xy", balls, kWeight);
+  weights.Q_ball_xy.assign(Q_ball_xy.data(), Q_ball_xy.data() + Q_ball_xy.size());
+  if (balls == 1) weights.Q_ball_z = Q.number("ball_z", kWeight);
   weights.Q_ball_velocity = Q.number("ball_velocity", kWeight);
   weights.R = section.number("R", kPositiveWeight);
   config::Section G = section.section("G");
@@ -23,8 +24,13 @@ PhaseWeights load_weights(config::Section section) {
   weights.G_gamma = G.number("gamma", kPositiveWeight);
   weights.G_end_effector_normal = G.number("end_effector_normal", kPositiveWeight);
   weights.G_end_effector_tangential = G.number("end_effector_tangential", kPositiveWeight);
-  weights.G_table_normal = G.number("table_normal", kPositiveWeight);
-  weights.G_table_tangential = G.number("table_tangential", kPositiveWeight);
+  if (balls == 1) {
+    weights.G_table_normal = G.number("table_normal", kPositiveWeight);
+    weights.G_table_tangential = G.number("table_tangential", kPositiveWeight);
+  } else {
+    weights.G_balls_normal = G.number("balls_normal", kPositiveWeight);
+    weights.G_balls_tangential = G.number("balls_tangential", kPositiveWeight);
+  }
   config::Section U = section.section("U");
   weights.U_x = U.number("x", kPositiveWeight);
   weights.U_lambda = U.number("lambda", kPositiveWeight);
@@ -40,21 +46,31 @@ PhaseWeights load_weights(config::Section section) {
   return weights;
 }
 
-/// {end_effector_ball: true, ball_table: true}: the contact pairs of the planning model.
-std::vector<model::BallContact> load_contacts(config::Section& model) {
+/// {end_effector_ball: true, ball_table: true}: the contact pairs of the planning model; of several
+/// balls {end_effector_ball: true, ball_ball: true}.
+void load_contacts(config::Section& model, Parameters& parameters) {
   config::Section pairs = model.section("contacts");
-  std::vector<model::BallContact> contacts;
-  if (pairs.boolean("end_effector_ball")) contacts.push_back(model::BallContact::kEndEffector);
-  if (pairs.boolean("ball_table")) contacts.push_back(model::BallContact::kTable);
-  if (contacts.empty()) model.fail("contacts", "at least one pair that is true", "none");
-  return contacts;
+  const bool end_effector = pairs.boolean("end_effector_ball");
+  if (parameters.balls == 1) {
+    if (end_effector) parameters.contacts.push_back(model::BallContact::kEndEffector);
+    if (pairs.boolean("ball_table")) parameters.contacts.push_back(model::BallContact::kTable);
+  } else {
+    const bool balls = pairs.boolean("ball_ball");
+    for (const model::ContactPair& pair : model::all_contact_pairs(parameters.balls)) {
+      const bool with_end_effector = pair.first == model::ContactPair::kEndEffector;
+      if (with_end_effector ? end_effector : balls) parameters.pairs.push_back(pair);
+    }
+  }
+  if (parameters.contacts.empty() && parameters.pairs.empty())
+    model.fail("contacts", "at least one pair that is true", "none");
 }
 
 }  // namespace
 
-Parameters load_parameters(config::Section section, const Task& task) {
+Parameters load_parameters(config::Section section, const Task& task, int balls) {
   Parameters parameters{};
   parameters.task = task;
+  parameters.balls = balls;
   parameters.rate = section.number("rate_hz", {1, 1000});
   parameters.publish_delay = section.number("publish_delay_s", {0, 0.2});
   parameters.valid_for = section.number("valid_for_s", {0.001, 5});
@@ -76,18 +92,22 @@ Parameters load_parameters(config::Section section, const Task& task) {
   parameters.model.ball_radius = model.number("ball_radius_m", {1e-3, 1});
   parameters.model.table_height = model.number("table_height_m", {-2, 2});
   parameters.model.friction_end_effector = model.number("friction_end_effector", {0, 10});
-  parameters.model.friction_table = model.number("friction_table", {0, 10});
+  if (balls == 1) {
+    parameters.model.friction_table = model.number("friction_table", {0, 10});
+  } else {
+    parameters.friction_balls = model.number("friction_balls", {0, 10});
+  }
   parameters.contact_model = model.choice<ContactModel>(
       "contact_model",
       {{"stewart_trinkle", ContactModel::kStewartTrinkle}, {"anitescu", ContactModel::kAnitescu}});
-  parameters.contacts = load_contacts(model);
+  load_contacts(model, parameters);
 
   parameters.c3 = c3::load_settings(section.section("c3"));
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
 
   config::Section weights = section.section("weights");
-  parameters.roll = load_weights(weights.section("roll"));
-  parameters.back = load_weights(weights.section("return"));
+  parameters.roll = load_weights(weights.section("roll"), balls);
+  parameters.back = load_weights(weights.section("return"), balls);
 
   config::Section heuristic = section.section("heuristic");
   parameters.heuristic.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});

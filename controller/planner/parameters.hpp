@@ -7,6 +7,7 @@
 
 #include "controller/c3/solver.hpp"
 #include "controller/model/ball_model.hpp"
+#include "controller/model/balls_model.hpp"
 #include "controller/planner/task.hpp"
 
 namespace c3rt::planner {
@@ -15,10 +16,12 @@ namespace c3rt::planner {
 /// docs/math.md).
 struct PhaseWeights {
   double Q_end_effector, Q_end_effector_velocity;
-  double Q_ball_xy, Q_ball_z, Q_ball_velocity;
+  std::vector<double> Q_ball_xy;     // one per ball
+  double Q_ball_z, Q_ball_velocity;  // z: of one ball alone
   double R;
-  double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential, G_table_normal,
-      G_table_tangential;
+  double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential;
+  double G_table_normal, G_table_tangential;  // of one ball alone
+  double G_balls_normal, G_balls_tangential;  // of several balls alone
   double U_x, U_lambda, U_u;
   // projections that need more; the convex one weighs x and u by U_x and U_u
   double convex_alpha, convex_epsilon;
@@ -65,10 +68,14 @@ struct Parameters {
   double estimate_timeout;   // a ball estimate older than this counts as lost [s]
   double deadline_fraction;  // of the period, realtime only
   int N;
-  double dt;  // planning step Δt [s]
-  model::BallModelParameters model;
-  ContactModel contact_model;  // of L_Δt; the step over Δt_c is Stewart and Trinkle's
-  std::vector<model::BallContact> contacts;  // that L_Δt has; the step over Δt_c has them all
+  double dt;                         // planning step Δt [s]
+  int balls;                         // 1: M_s of one ball; more: balls that stay on the table
+  model::BallModelParameters model;  // every ball alike; friction_table: of one ball alone
+  double friction_balls;             // μ between balls, of several
+  ContactModel contact_model;        // of L_Δt; the step over Δt_c is Stewart and Trinkle's
+  // contacts that L_Δt has, of one ball or of several; the step over Δt_c has them all
+  std::vector<model::BallContact> contacts;
+  std::vector<model::ContactPair> pairs;
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;

@@ -2,83 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-
-#include "controller/c3/solver.hpp"
-#include "controller/lcs/lcs.hpp"
-#include "controller/lcs/lemke.hpp"
-#include "controller/lcs/step.hpp"
 
 namespace c3rt::planner {
 namespace {
-
-using L = model::BallLayout;
-constexpr std::size_t kPeriodsAveraged = 10;
-
-bool is_stewart_trinkle(const Parameters& parameters) {
-  return parameters.contact_model == ContactModel::kStewartTrinkle;
-}
-
-/// λ of the planning system: γ, normal force and edges of each contact, or edges alone.
-int n_lambda_of(const Parameters& parameters) {
-  const int n_c = static_cast<int>(parameters.contacts.size());
-  return n_c * (is_stewart_trinkle(parameters) ? 2 + L::n_e : L::n_e);
-}
-
-/// What the consensus term weighs λ with, in the order of the planning system.
-Eigen::VectorXd G_of_lambda(const Parameters& parameters, const PhaseWeights& weights) {
-  const int n_c = static_cast<int>(parameters.contacts.size());
-  const bool has_gamma = is_stewart_trinkle(parameters);
-  Eigen::VectorXd G(n_lambda_of(parameters));
-  if (has_gamma) G.head(n_c).setConstant(weights.G_gamma);
-  for (int i = 0; i < n_c; ++i) {
-    const bool arm =
-        parameters.contacts[static_cast<std::size_t>(i)] == model::BallContact::kEndEffector;
-    if (has_gamma) G[n_c + i] = arm ? weights.G_end_effector_normal : weights.G_table_normal;
-    G.segment<L::n_e>((has_gamma ? 2 * n_c : 0) + i * L::n_e)
-        .setConstant(arm ? weights.G_end_effector_tangential : weights.G_table_tangential);
-  }
-  return G;
-}
-
-c3::Costs costs_of(const Parameters& parameters, const PhaseWeights& weights) {
-  const int n_lambda = n_lambda_of(parameters);
-  const int n_z = L::n_x + n_lambda + L::n_u;
-  Eigen::VectorXd Q = Eigen::VectorXd::Zero(L::n_x);
-  Q.segment<3>(L::p_WE).setConstant(weights.Q_end_effector);
-  Q.segment<2>(L::p_WB).setConstant(weights.Q_ball_xy);
-  Q[L::p_WB + 2] = weights.Q_ball_z;
-  Q.segment<3>(L::v_WE).setConstant(weights.Q_end_effector_velocity);
-  Q.segment<3>(L::omega_WB).setConstant(weights.Q_ball_velocity);
-  Q.segment<3>(L::v_WB).setConstant(weights.Q_ball_velocity);
-
-  Eigen::VectorXd G(n_z);
-  G.head(L::n_x).setConstant(weights.G_x);
-  G.segment(L::n_x, n_lambda) = G_of_lambda(parameters, weights);
-  G.tail(L::n_u).setConstant(weights.G_u);
-
-  Eigen::VectorXd U(n_z);
-  U.head(L::n_x).setConstant(weights.U_x);
-  U.segment(L::n_x, n_lambda).setConstant(weights.U_lambda);
-  U.tail(L::n_u).setConstant(weights.U_u);
-
-  c3::Costs costs;
-  costs.Q = Q.asDiagonal();
-  costs.Q_N = Q.asDiagonal();
-  costs.R = weights.R * Eigen::MatrixXd::Identity(L::n_u, L::n_u);
-  costs.G = G.asDiagonal();
-  costs.U = U.asDiagonal();
-  costs.convex = {weights.U_x * Eigen::MatrixXd::Identity(L::n_x, L::n_x),
-                  weights.U_u * Eigen::MatrixXd::Identity(L::n_u, L::n_u), weights.convex_alpha,
-                  weights.convex_epsilon};
-  for (const auto& [target, value] : {std::pair{&costs.plus.g_lambda, weights.plus_g_lambda},
-                                      std::pair{&costs.plus.g_eta, weights.plus_g_eta},
-                                      std::pair{&costs.plus.u_lambda, weights.plus_u_lambda},
-                                      std::pair{&costs.plus.u_eta, weights.plus_u_eta}}) {
-    *target = Eigen::VectorXd::Constant(n_lambda, value);
-  }
-  return costs;
-}
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
@@ -88,11 +14,21 @@ Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
   return Eigen::AngleAxisd(tilt, Eigen::Vector3d(direction.y(), -direction.x(), 0.0)) * down;
 }
 
+bool finite(const Ball& ball) {
+  return ball.p_WB.allFinite() && ball.v_WB.allFinite() && ball.omega_WB.allFinite() &&
+         ball.q_WB.coeffs().allFinite();
+}
+
+bool within(const ApproachParameters& reach, const Eigen::Vector2d& ball) {
+  return (ball.array() >= reach.reach_min.array()).all() &&
+         (ball.array() <= reach.reach_max.array()).all();
+}
+
 }  // namespace
 
 Mode next(Mode mode, const Situation& situation) {
   if (!situation.state_fresh) return Mode::kWait;
-  if (!situation.ball_at_hand || situation.hold_requested) return Mode::kHold;
+  if (!situation.balls_at_hand || situation.hold_requested) return Mode::kHold;
   switch (mode) {
     case Mode::kWait:
     case Mode::kHold:
@@ -106,70 +42,48 @@ Mode next(Mode mode, const Situation& situation) {
   return Mode::kHold;
 }
 
-struct Planner::Workspace {
-  explicit Workspace(const Parameters& parameters)
-      : solver({L::n_x, n_lambda_of(parameters), L::n_u, parameters.N}, parameters.c3),
-        lemke(L::n_lambda),
-        roll(costs_of(parameters, parameters.roll)),
-        back(costs_of(parameters, parameters.back)),
-        x_desired(L::n_x, parameters.N + 1),
-        x_next(L::n_x),
-        lambda(L::n_lambda) {
-    // refuses unusable weights at the start, not in the loop
-    use(Phase::kReturnUp);
-    use(Phase::kRoll);
-  }
-
-  void use(Phase phase) {
-    const c3::Costs* wanted = phase == Phase::kRoll ? &roll : &back;
-    if (wanted != in_use) solver.set_costs(*wanted);
-    in_use = wanted;
-  }
-
-  c3::Solver solver;
-  lcs::Lemke lemke;
-  c3::Costs roll, back;
-  const c3::Costs* in_use = nullptr;
-  Eigen::MatrixXd x_desired;
-  Eigen::VectorXd x_next, lambda;
-  std::deque<double> periods;
-};
-
-Planner::Planner(const Parameters& parameters)
-    : parameters_(parameters), workspace_(std::make_unique<Workspace>(parameters)) {
-  plan_.lambda_d = Eigen::VectorXd::Zero(L::n_lambda);
-  plan_.x = Eigen::MatrixXd::Zero(L::n_x, parameters.N);
-  plan_.lambda = Eigen::MatrixXd::Zero(n_lambda_of(parameters), parameters.N);
-  plan_.u = Eigen::MatrixXd::Zero(L::n_u, parameters.N);
+Planner::Planner(const Parameters& parameters) : parameters_(parameters), step_(parameters) {
+  plan_.lambda_d = Eigen::VectorXd::Zero(step_.n_lambda_d());
+  plan_.x = Eigen::MatrixXd::Zero(step_.n_x(), parameters.N);
+  plan_.lambda = Eigen::MatrixXd::Zero(step_.n_lambda(), parameters.N);
+  plan_.u = Eigen::MatrixXd::Zero(3, parameters.N);
+  plan_.primal_residual = Eigen::VectorXd::Zero(parameters.c3.admm_iterations);
+  plan_.ball = 0;
   plan_.ball_target.setZero();
   hold(Eigen::Vector3d::Zero());
 }
 
-Planner::~Planner() = default;
+Situation Planner::situation(const Input& input) const noexcept {
+  Situation situation{};
+  situation.state_fresh = input.state_fresh && input.p_WE.allFinite() && input.v_WE.allFinite();
+  situation.balls_at_hand = true;
+  for (int i = 0; i < parameters_.balls; ++i) {
+    const BallInput& ball = input.balls[static_cast<std::size_t>(i)];
+    situation.balls_at_hand = situation.balls_at_hand && ball.fresh && finite(ball.ball) &&
+                              within(parameters_.approach, ball.ball.p_WB.head<2>());
+  }
+  situation.hold_requested = input.hold_requested;
+  situation.start_pose_reached =
+      settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
+  situation.returning = phase_ != Phase::kRoll;
+  return situation;
+}
 
 const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   const double period = previous_now_ < 0.0 ? 1.0 / parameters_.rate : input.now - previous_now_;
   previous_now_ = input.now;
-  workspace_->periods.push_back(period);
-  if (workspace_->periods.size() > kPeriodsAveraged) workspace_->periods.pop_front();
+  if (period_count_ == kPeriodsAveraged) {
+    std::copy(periods_.begin() + 1, periods_.end(), periods_.begin());
+    --period_count_;
+  }
+  periods_[static_cast<std::size_t>(period_count_++)] = period;
 
-  Situation situation{};
-  situation.state_fresh = input.state_fresh && input.p_WE.allFinite() && input.v_WE.allFinite();
-  const ApproachParameters& reach = parameters_.approach;
-  situation.ball_at_hand = input.ball_fresh && input.p_WB.allFinite() && input.v_WB.allFinite() &&
-                           input.omega_WB.allFinite() && input.q_WB.coeffs().allFinite() &&
-                           (input.p_WB.head<2>().array() >= reach.reach_min.array()).all() &&
-                           (input.p_WB.head<2>().array() <= reach.reach_max.array()).all();
-  situation.hold_requested = input.hold_requested;
-  situation.start_pose_reached =
-      settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
-  const Phase phase =
-      phase_at(parameters_.heuristic, in_c3 && c3_since_ >= 0.0 ? input.now - c3_since_ : 0.0);
-  situation.returning = phase != Phase::kRoll;
+  phase_ = phase_at(parameters_.heuristic, in_c3 && c3_since_ >= 0.0 ? input.now - c3_since_ : 0.0);
+  const Situation known = situation(input);
 
   const Mode previous = mode_;
-  mode_ = next(mode_, situation);
+  mode_ = next(mode_, known);
   if (mode_ != previous) {
     if (mode_ == Mode::kApproach || mode_ == Mode::kHold) {
       reference_ = input.p_WE;
@@ -179,7 +93,10 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       c3_since_ = input.now;
       if (task_since_ < 0.0) task_since_ = input.now;
     }
-    if (in_c3 && !situation.ball_at_hand) ++counters_.ball_lost;
+    // one ball for a whole cycle: half-way to another one nothing is gained
+    if (mode_ == Mode::kApproach || (mode_ == Mode::kReturn && previous == Mode::kRoll))
+      ball_ = ball_to_work_on(parameters_.task, estimate(input));
+    if (in_c3 && !known.balls_at_hand) ++counters_.ball_lost;
   }
 
   switch (mode_) {
@@ -204,6 +121,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       break;
   }
   plan_.mode = mode_;
+  plan_.ball = ball_;
   return plan_;
 }
 
@@ -237,19 +155,20 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
 bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept {
   if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) return false;
   const Eigen::Vector3d way = goal - reference_;
-  const double step = parameters_.approach.speed * workspace_->periods.back();
+  const double step =
+      parameters_.approach.speed * periods_[static_cast<std::size_t>(period_count_ - 1)];
   const bool arrives = way.norm() <= step;
   reference_ = arrives ? goal : Eigen::Vector3d(reference_ + way.normalized() * step);
   return arrives;
 }
 
 void Planner::approach(const Input& input) noexcept {
-  const double period = workspace_->periods.back();
+  const double period = periods_[static_cast<std::size_t>(period_count_ - 1)];
   const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-  const Eigen::Vector3d start(input.p_WB.x(), input.p_WB.y(),
-                              input.p_WB.z() + parameters_.approach.start_height);
+  const Eigen::Vector3d p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
+  const Eigen::Vector3d start(p_WB.x(), p_WB.y(), p_WB.z() + parameters_.approach.start_height);
   const bool above = (reference_ - start).head<2>().norm() < parameters_.approach.tolerance;
-  // up, across, down: never through the ball
+  // up, across, down: never through a ball
   Eigen::Vector3d goal = start;
   if (!above && reference_.z() < safe - parameters_.approach.tolerance) {
     goal << reference_.x(), reference_.y(), safe;
@@ -260,7 +179,7 @@ void Planner::approach(const Input& input) noexcept {
   const bool arrived = advance_reference(input, goal);
   hold(reference_);
   if (!arrived) plan_.v_WE = (reference_ - before) / period;
-  plan_.ball_target << target(input, 0.0, input.p_WB.head<2>()), input.p_WB.z();
+  plan_.ball_target << target(input, 0.0, p_WB.head<2>()), p_WB.z();
   if ((input.p_WE - start).norm() > parameters_.approach.tolerance) {
     settled_since_ = -1.0;
   } else if (settled_since_ < 0.0) {
@@ -268,99 +187,107 @@ void Planner::approach(const Input& input) noexcept {
   }
 }
 
-void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
-  Workspace& work = *workspace_;
-  // the camera saw the ball a while ago; the arm's state is of now
-  const Eigen::Vector3d p_WB = parameters_.predict_ball
-                                   ? Eigen::Vector3d(input.p_WB + input.ball_age * input.v_WB)
-                                   : input.p_WB;
-  const Eigen::Vector2d target_now = target(input, 0.0, p_WB.head<2>());
-  const Eigen::Vector2d e = target_now - p_WB.head<2>();
+Scene Planner::estimate(const Input& input) const noexcept {
+  Scene scene{};
+  scene.p_WE = input.p_WE;
+  scene.v_WE = input.v_WE;
+  scene.ball_count = parameters_.balls;
+  for (int i = 0; i < parameters_.balls; ++i) {
+    const BallInput& seen = input.balls[static_cast<std::size_t>(i)];
+    Ball& ball = scene.balls[static_cast<std::size_t>(i)];
+    ball = seen.ball;
+    // the camera saw the ball a while ago; the arm's state is of now
+    if (parameters_.predict_ball) ball.p_WB = seen.ball.p_WB + seen.age * seen.ball.v_WB;
+  }
+  return scene;
+}
 
-  // Algorithm 3, steps 1 and 2: x̂ and the LCS about it
-  model::BallState state{input.p_WE, input.q_WB, p_WB, input.v_WE, input.omega_WB, input.v_WB};
-  if (parameters_.separate_overlap)
-    model::separate(parameters_.model, Eigen::Vector3d(e.x(), e.y(), 0.0), state);
-  const model::ContactSystem system =
-      model::ball_contact_system(parameters_.model, state, parameters_.contacts);
-  const model::BallStateVector x_hat = model::to_vector(state);
-  lcs::Lcs planning = is_stewart_trinkle(parameters_)
-                          ? model::stewart_trinkle(system, parameters_.dt)
-                          : model::anitescu(system, parameters_.dt);
-  const double scale = lcs::force_scale(planning);
-  lcs::scale_forces(planning, scale);
-
-  const Phase phase = phase_at(parameters_.heuristic, input.now - c3_since_);
-  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
-  model::BallState desired{};
-  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase, state.p_WE,
-                                     state.p_WB, target_now);
-  desired.q_WB.setIdentity();
-  desired.p_WB << target_now, ball_height;
-  desired.v_WE.setZero();
-  desired.omega_WB.setZero();
-  desired.v_WB.setZero();
-  work.x_desired.colwise() = Eigen::VectorXd(model::to_vector(desired));
-  for (int k = 1; k <= parameters_.N; ++k)
-    work.x_desired.col(k).segment<2>(L::p_WB) = target(input, k * parameters_.dt, p_WB.head<2>());
-
-  // step 3: Algorithm 1
-  work.use(phase);
-  const c3::Solution& solution = work.solver.solve(planning, x_hat, work.x_desired, deadline);
-  counters_.branch_nodes += static_cast<std::uint64_t>(solution.branch_nodes);
-
-  // step 4
-  double delta_t_c = input.solve_time;
+double Planner::delta_t_c(const Input& input) const noexcept {
+  double result = input.solve_time;
   if (parameters_.delta_t_c_source == DeltaTcSource::kPeriod) {
     double sum = 0.0;
-    for (const double period : work.periods) sum += period;
-    delta_t_c = sum / static_cast<double>(work.periods.size());
+    for (int i = 0; i < period_count_; ++i) sum += periods_[static_cast<std::size_t>(i)];
+    result = sum / static_cast<double>(period_count_);
   }
   // a stalled process must not turn into a huge step when it comes back
-  delta_t_c = std::min(std::max(delta_t_c, 1e-3), parameters_.dt);
+  return std::min(std::max(result, 1e-3), parameters_.dt);
+}
+
+void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
+  const auto worked = static_cast<std::size_t>(ball_);
+  Scene x_hat = estimate(input);
+  const Eigen::Vector2d target_now = target(input, 0.0, x_hat.balls[worked].p_WB.head<2>());
+  const Eigen::Vector2d e = target_now - x_hat.balls[worked].p_WB.head<2>();
+
+  // what is wanted: the balls at their targets, at rest, and the end effector where the heuristic
+  // draws it
+  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
+  Scene desired{};
+  desired.ball_count = x_hat.ball_count;
+  desired.v_WE.setZero();
+  for (Ball& ball : desired.balls)
+    ball = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+            Eigen::Quaterniond::Identity()};
+  std::array<Eigen::Vector2d, kMaxBalls> seen_at;
+  for (std::size_t i = 0; i < seen_at.size(); ++i) seen_at[i] = x_hat.balls[i].p_WB.head<2>();
+
+  // Algorithm 3, step 1: x̂
+  if (parameters_.separate_overlap) {
+    for (int i = 0; i < x_hat.ball_count; ++i) {
+      Ball& ball = x_hat.balls[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d way = target(input, 0.0, ball.p_WB.head<2>()) - ball.p_WB.head<2>();
+      model::BallState state{x_hat.p_WE, ball.q_WB,     ball.p_WB,
+                             x_hat.v_WE, ball.omega_WB, ball.v_WB};
+      model::separate(parameters_.model, Eigen::Vector3d(way.x(), way.y(), 0.0), state);
+      ball.p_WB = state.p_WB;
+    }
+  }
+  phase_ = phase_at(parameters_.heuristic, input.now - c3_since_);
+  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase_, x_hat.p_WE,
+                                     x_hat.balls[worked].p_WB, target_now);
+  for (int k = 0; k <= parameters_.N; ++k) {
+    for (int i = 0; i < x_hat.ball_count; ++i) {
+      const auto ball = static_cast<std::size_t>(i);
+      desired.balls[ball].p_WB << target(input, k * parameters_.dt, seen_at[ball]), ball_height;
+    }
+    step_.want(k, desired);
+  }
 
   hold(input.p_WE);
-  plan_.ball_target = desired.p_WB;
+  plan_.ball_target << target_now, ball_height;
   plan_.q_WE = tool_orientation(parameters_.tilt, e);
-  plan_.delta_t_c = delta_t_c;
-  if (solution.status == c3::SolveStatus::kFailed) {
-    plan_.status = PlanStatus::kFallback;
-    ++counters_.fallbacks;
-    return;
-  }
+  plan_.delta_t_c = delta_t_c(input);
 
-  // step 5: (x_d, λ_d) = L_Δt_c(x̂, u_C3)
-  const Eigen::Vector3d u_0 = solution.u_0();
-  const lcs::Lcs stepping =
-      model::stewart_trinkle(model::ball_contact_system(parameters_.model, state), delta_t_c);
-  if (!lcs::step(stepping, x_hat, u_0, work.lemke, work.x_next, work.lambda).ok()) {
+  // steps 2 to 5
+  const StepStatus status = step_.step(x_hat, phase_ == Phase::kRoll, plan_.delta_t_c, deadline);
+  const StepResult& result = step_.result();
+  const c3::Solution& solution = *result.solution;
+  counters_.branch_nodes += static_cast<std::uint64_t>(solution.branch_nodes);
+  if (status == StepStatus::kFailed || status == StepStatus::kNoStep) {
     plan_.status = PlanStatus::kFallback;
-    ++counters_.lcp_failures;
     ++counters_.fallbacks;
+    if (status == StepStatus::kNoStep) ++counters_.lcp_failures;
     return;
   }
-  plan_.status =
-      solution.status == c3::SolveStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
-  if (plan_.status == PlanStatus::kTruncated) ++counters_.truncated;
-  plan_.p_WE = work.x_next.segment<3>(L::p_WE);
-  plan_.v_WE = work.x_next.segment<3>(L::v_WE);
+  plan_.status = status == StepStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
+  if (status == StepStatus::kTruncated) ++counters_.truncated;
+  plan_.p_WE = result.p_WE;
+  plan_.v_WE = result.v_WE;
   const double speed = plan_.v_WE.norm();
   if (speed > parameters_.speed_limit) {
     const Eigen::Vector3d way = plan_.p_WE - input.p_WE;
     if (way.norm() > 0.0)
-      plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * delta_t_c;
+      plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * plan_.delta_t_c;
     plan_.v_WE *= parameters_.speed_limit / speed;
     ++counters_.speed_clamped;
   }
-  plan_.force_E = model::force_on_end_effector(state, work.lambda);
-  plan_.lambda_d = work.lambda;
-  plan_.u_c3 = u_0;
-  plan_.x = solution.z.topRows(L::n_x);
-  // Anitescu's λ are impulses
-  const double to_newton = is_stewart_trinkle(parameters_) ? scale : scale / parameters_.dt;
-  const Eigen::Index n_lambda = plan_.lambda.rows();
-  plan_.lambda = to_newton * solution.z.middleRows(L::n_x, n_lambda);
-  plan_.u = solution.z.middleRows(L::n_x + n_lambda, L::n_u);
+  plan_.force_E = result.force_E;
+  plan_.lambda_d = result.lambda_d;
+  plan_.u_c3 = result.u_c3;
+  const Eigen::Index n_x = plan_.x.rows(), n_lambda = plan_.lambda.rows();
+  plan_.x = solution.z.topRows(n_x);
+  plan_.lambda = result.force_scale * solution.z.middleRows(n_x, n_lambda);
+  plan_.u = solution.z.middleRows(n_x + n_lambda, plan_.u.rows());
   plan_.admm_iterations = solution.iterations;
   plan_.primal_residual = solution.primal_residual;
   plan_.complementarity_violation = solution.complementarity_violation;

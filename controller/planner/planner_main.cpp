@@ -1,5 +1,6 @@
 // c3rt-planner: robot state and ball estimate in, plan out, at a fixed rate.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -21,7 +22,7 @@ namespace {
 
 using namespace c3rt;
 
-constexpr long kRobot = 0, kBall = 0;
+constexpr long kRobot = 0;
 constexpr double kStateTimeout = 0.1;  // [s]
 constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
@@ -44,11 +45,20 @@ struct Inputs {
   wire::Reader<wire::ServiceRequest> requests;
   wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
-  wire::BallEstimate estimate{};
-  bool has_state = false, has_estimate = false, hold = false;
+  std::array<std::optional<wire::BallEstimate>, planner::kMaxBalls> balls;  // by key
+  bool has_state = false, hold = false;
   std::optional<planner::CircleTask> circle;
   std::int64_t stall_until_ns = 0, nan_until_ns = 0;
 };
+
+// what strangers write is checked: a ball that the scenario does not have is nobody's
+void take_estimates(Inputs& in, int balls, std::int64_t now_ns) {
+  wire::BallEstimate estimate{};
+  while (in.estimates.take_next_effective(now_ns, estimate)) {
+    if (estimate.ball >= 0 && estimate.ball < balls)
+      in.balls[static_cast<std::size_t>(estimate.ball)] = estimate;
+  }
+}
 
 bool usable(const wire::TaskTarget& target) {
   return std::isfinite(target.center_m[0]) && std::isfinite(target.center_m[1]) &&
@@ -113,6 +123,15 @@ void take_requests(Inputs& in, wire::Writer<wire::ServiceReply>& replies, std::i
   }
 }
 
+planner::BallInput ball_input(const wire::BallEstimate& seen, const planner::Parameters& parameters,
+                              std::int64_t now_ns) {
+  const double age = seconds(now_ns - seen.exposure_ns);
+  return {seen.valid && age <= parameters.estimate_timeout,
+          age,
+          {vector(seen.p_WB_m), vector(seen.v_WB_m_per_s), vector(seen.omega_rad_per_s),
+           Eigen::Quaterniond(seen.q_WB[0], seen.q_WB[1], seen.q_WB[2], seen.q_WB[3])}};
+}
+
 planner::Input planner_input(const Inputs& in, const planner::Parameters& parameters,
                              std::int64_t now_ns, model::Arm& arm, double solve_time) {
   planner::Input input{};
@@ -128,16 +147,9 @@ planner::Input planner_input(const Inputs& in, const planner::Parameters& parame
     input.p_WE = arm_state.X_WE.translation();
     input.v_WE = arm_state.V_WE.head<3>();
   }
-  const wire::BallEstimate& ball = in.estimate;
-  input.ball_fresh = in.has_estimate && ball.valid &&
-                     seconds(now_ns - ball.exposure_ns) <= parameters.estimate_timeout;
-  input.ball_age = seconds(now_ns - ball.exposure_ns);
-  input.p_WB = vector(ball.p_WB_m);
-  input.v_WB = vector(ball.v_WB_m_per_s);
-  input.omega_WB = vector(ball.omega_rad_per_s);
-  input.q_WB = in.has_estimate
-                   ? Eigen::Quaterniond(ball.q_WB[0], ball.q_WB[1], ball.q_WB[2], ball.q_WB[3])
-                   : Eigen::Quaterniond::Identity();
+  for (std::size_t i = 0; i < in.balls.size(); ++i) {
+    if (in.balls[i]) input.balls[i] = ball_input(*in.balls[i], parameters, now_ns);
+  }
   return input;
 }
 
@@ -159,12 +171,13 @@ c3rt_v1_PlanPhase phase_of(planner::Mode mode) {
 
 wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
                    const planner::Parameters& parameters) {
-  using L = model::BallLayout;
   wire::Plan out{};
   out.robot = kRobot;
   out.origin.state_ns = in.state.header.time_ns;
-  out.origin.exposure_ns = in.has_estimate ? in.estimate.exposure_ns : 0;
-  out.origin.estimate_ns = in.has_estimate ? in.estimate.header.time_ns : 0;
+  if (const auto& ball = in.balls[static_cast<std::size_t>(plan.ball)]) {
+    out.origin.exposure_ns = ball->exposure_ns;
+    out.origin.estimate_ns = ball->header.time_ns;
+  }
   out.status = plan.status == planner::PlanStatus::kOk          ? c3rt_v1_PLAN_OK
                : plan.status == planner::PlanStatus::kTruncated ? c3rt_v1_PLAN_TRUNCATED
                                                                 : c3rt_v1_PLAN_FALLBACK;
@@ -176,9 +189,9 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
   fill(out.force_E_n, plan.force_E);
   fill(out.ball_target_m, plan.ball_target);
   out.delta_t_c_s = plan.delta_t_c;
-  out.n_x = L::n_x;
+  out.n_x = static_cast<int>(plan.x.rows());
   out.n_lambda = static_cast<int>(plan.lambda.rows());
-  out.n_u = L::n_u;
+  out.n_u = static_cast<int>(plan.u.rows());
   out.N = parameters.N;
   fill(out.u_c3, plan.u_c3);
   fill(out.lambda_d, plan.lambda_d);
@@ -233,11 +246,7 @@ int run(const config::ProcessOptions& options) {
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
     in.has_state |= in.states.take_effective(now_ns, in.state);
-    wire::BallEstimate estimate{};
-    if (in.estimates.take_effective(now_ns, estimate) && estimate.ball == kBall) {
-      in.estimate = estimate;
-      in.has_estimate = true;
-    }
+    take_estimates(in, parameters.balls, now_ns);
     if (const std::string said = take_target(in); !said.empty()) spdlog::info("planner: {}", said);
     take_requests(in, replies, now_ns);
     if (now_ns < in.stall_until_ns) continue;

@@ -13,10 +13,12 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
     : scenario_(scenario),
       plant_(scenario.plant),
       sensor_(scenario.vision.emulated, seed),
-      estimator_(scenario.vision.estimator, scenario.plant.world.balls[0].radius),
       planner_(scenario.planner),
       impedance_(scenario.impedance, model::Arm(impedance::urdf_of(scenario.impedance))),
-      arm_(impedance::urdf_of(scenario.impedance)) {}
+      arm_(impedance::urdf_of(scenario.impedance)) {
+  for (const plant::BallParameters& ball : scenario.plant.world.balls)
+    estimators_.emplace_back(scenario.vision.estimator, ball.radius);
+}
 
 void ClosedLoop::step_1ms() {
   const plant::State& state = plant_.state();
@@ -26,15 +28,18 @@ void ClosedLoop::step_1ms() {
 
   if (due(exposures_, scenario_.vision.rate)) {
     ++exposures_;
-    vision::Measurement measurement;
-    measurement.exposure_ns = now_ns_;
-    measurement.found = true;
-    measurement.p_WB = sensor_.measure(state.balls[0].p_WB);
-    estimates_.push_back(
-        {now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimator_.step(measurement)});
+    Estimates estimates;
+    for (std::size_t i = 0; i < estimators_.size(); ++i) {
+      vision::Measurement measurement;
+      measurement.exposure_ns = now_ns_;
+      measurement.found = true;
+      measurement.p_WB = sensor_.measure(state.balls[i].p_WB);
+      estimates.push_back(estimators_[i].step(measurement));
+    }
+    estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimates});
   }
   while (!estimates_.empty() && estimates_.front().time_ns <= now_ns_) {
-    newest_estimate_ = estimates_.front().value;
+    newest_estimates_ = estimates_.front().value;
     estimates_.pop_front();
   }
 
@@ -46,13 +51,11 @@ void ClosedLoop::step_1ms() {
     input.state_fresh = true;
     input.p_WE = arm_state_.X_WE.translation();
     input.v_WE = arm_state_.V_WE.head<3>();
-    input.ball_fresh = newest_estimate_ && newest_estimate_->valid;
-    if (newest_estimate_) {
-      input.ball_age = 1e-9 * static_cast<double>(now_ns_ - newest_estimate_->exposure_ns);
-      input.p_WB = newest_estimate_->p_WB;
-      input.v_WB = newest_estimate_->v_WB;
-      input.omega_WB = newest_estimate_->omega_WB;
-      input.q_WB = newest_estimate_->q_WB;
+    for (std::size_t i = 0; i < newest_estimates_.size(); ++i) {
+      const vision::Estimate& seen = newest_estimates_[i];
+      input.balls[i] = {seen.valid,
+                        1e-9 * static_cast<double>(now_ns_ - seen.exposure_ns),
+                        {seen.p_WB, seen.v_WB, seen.omega_WB, seen.q_WB}};
     }
     input.solve_time = scenario_.timing.solve_time_s;
     plan_ = planner_.step(input);

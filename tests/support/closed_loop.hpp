@@ -3,7 +3,7 @@
 // in the order and with the delays of a lockstep run. For tests of behaviour and for tuning.
 #include <cstdint>
 #include <deque>
-#include <optional>
+#include <vector>
 
 #include "config/scenario.hpp"
 #include "controller/impedance/controller.hpp"
@@ -24,7 +24,9 @@ class ClosedLoop {
   const planner::Planner& planner() const { return planner_; }
   const planner::Plan& plan() const { return plan_; }          // the newest computed
   const impedance::Output& output() const { return output_; }  // of the last cycle
-  const vision::Estimate& estimate() const { return estimator_.estimate(); }
+  const vision::Estimate& estimate(int ball = 0) const {
+    return estimators_[static_cast<std::size_t>(ball)].estimate();
+  }
 
  private:
   template <typename T>
@@ -36,14 +38,15 @@ class ClosedLoop {
   config::Scenario scenario_;
   plant::Plant plant_;
   vision::EmulatedSensor sensor_;
-  vision::Estimator estimator_;
+  std::vector<vision::Estimator> estimators_;
   planner::Planner planner_;
   impedance::Controller impedance_;
   model::Arm arm_;
   model::ArmState arm_state_;
-  std::deque<Stamped<vision::Estimate>> estimates_;
+  using Estimates = std::vector<vision::Estimate>;  // one per ball
+  std::deque<Stamped<Estimates>> estimates_;
   std::deque<Stamped<impedance::Plan>> plans_;
-  std::optional<vision::Estimate> newest_estimate_;
+  Estimates newest_estimates_;  // empty before the first
   impedance::Plan newest_plan_;
   bool has_plan_ = false;
   planner::Plan plan_;

@@ -27,11 +27,8 @@ Input input_at(double now, const Vector3d& p_WE) {
   input.state_fresh = true;
   input.p_WE = p_WE;
   input.v_WE.setZero();
-  input.ball_fresh = true;
-  input.p_WB = kBall;
-  input.v_WB.setZero();
-  input.omega_WB.setZero();
-  input.q_WB.setIdentity();
+  input.balls[0] = {
+      true, 0.0, {kBall, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()}};
   input.solve_time = 0.002;
   return input;
 }
@@ -108,7 +105,7 @@ TEST_CASE(
   for (int i = 0; i < 200; ++i) {
     Input input = input_at(follower.now, where);
     follower.now += follower.period;
-    input.ball_fresh = false;
+    input.balls[0].fresh = false;
     const Plan& plan = follower.planner.step(input);
     REQUIRE(plan.mode == Mode::kHold);
     CHECK(plan.v_WE.isZero());
@@ -123,7 +120,7 @@ TEST_CASE(
 TEST_CASE("planner: a ball out of reach is waited for, not followed") {
   Planner planner(parameters());
   Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
-  input.p_WB.x() = 0.9;
+  input.balls[0].ball.p_WB.x() = 0.9;
   CHECK(planner.step(input).mode == Mode::kHold);
   CHECK(planner.step(input_at(0.1, Vector3d(0.55, 0.0, 0.1))).mode == Mode::kApproach);
 }
@@ -145,7 +142,7 @@ TEST_CASE("planner: numbers that are not finite count as not there") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Planner planner(parameters());
   Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
-  input.v_WB.x() = nan;
+  input.balls[0].ball.v_WB.x() = nan;
   CHECK(planner.step(input).mode == Mode::kHold);
   input = input_at(0.1, Vector3d(0.55, 0.0, nan));
   const Plan& plan = planner.step(input);
