@@ -6,6 +6,9 @@
 namespace c3rt::planner {
 namespace {
 
+constexpr double kApproachRest = 0.5;  // of the tolerance: a goal nearer than this is reached
+constexpr double kApproachAcceleration = 1.0;  // of the reference [m/s²]
+
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
   const Eigen::Quaterniond down(0.0, 1.0, 0.0, 0.0);
@@ -87,6 +90,8 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   if (mode_ != previous) {
     if (mode_ == Mode::kApproach || mode_ == Mode::kHold) {
       reference_ = input.p_WE;
+      reference_velocity_.setZero();
+      descending_ = false;
       settled_since_ = -1.0;
     }
     if (previous == Mode::kApproach && mode_ == Mode::kReturn) {
@@ -149,38 +154,58 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
   plan_.complementarity_violation = 0.0;
 }
 
-// One period's step towards the goal; @return whether it is reached. An arm that does not follow
-// (stopped by a person, a reflex) is waited for, so that it finds the reference near by when it
-// moves again.
+// One period's step towards the goal, started and ended gently: a reference whose velocity jumps
+// drives a stiff arm into its torque limits. @return whether the goal is reached. An arm that does
+// not follow (stopped by a person, a reflex) is waited for, so that it finds the reference near by
+// when it moves again.
 bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept {
-  if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) return false;
+  if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) {
+    reference_velocity_.setZero();
+    return false;
+  }
+  const double period = periods_[static_cast<std::size_t>(period_count_ - 1)];
   const Eigen::Vector3d way = goal - reference_;
-  const double step =
-      parameters_.approach.speed * periods_[static_cast<std::size_t>(period_count_ - 1)];
-  const bool arrives = way.norm() <= step;
-  reference_ = arrives ? goal : Eigen::Vector3d(reference_ + way.normalized() * step);
-  return arrives;
+  const double to_go = way.norm();
+  const double step = kApproachAcceleration * period;  // of the speed
+  const double speed = std::min(parameters_.approach.speed, reference_velocity_.norm() + step);
+  // the speed from which the rest of the way is enough to stop
+  const double stopping = std::sqrt(2.0 * kApproachAcceleration * to_go);
+  const bool arrives = to_go <= std::min(speed, stopping) * period;
+  if (arrives) {
+    reference_ = goal;
+    reference_velocity_.setZero();
+    return true;
+  }
+  const Eigen::Vector3d wanted = way * (std::min(speed, stopping) / to_go);
+  const Eigen::Vector3d change = wanted - reference_velocity_;
+  reference_velocity_ += change * std::min(1.0, 2.0 * step / std::max(change.norm(), 1e-12));
+  reference_ += reference_velocity_ * period;
+  return false;
 }
 
 void Planner::approach(const Input& input) noexcept {
-  const double period = periods_[static_cast<std::size_t>(period_count_ - 1)];
+  const double tolerance = parameters_.approach.tolerance;
   const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
   const Eigen::Vector3d p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
   const Eigen::Vector3d start(p_WB.x(), p_WB.y(), p_WB.z() + parameters_.approach.start_height);
-  const bool above = (reference_ - start).head<2>().norm() < parameters_.approach.tolerance;
+  // a way down once begun is not given up for the noise of the estimate
+  const double beside = (reference_ - start).head<2>().norm();
+  descending_ = beside < (descending_ ? 2.0 * tolerance : tolerance);
   // up, across, down: never through a ball
   Eigen::Vector3d goal = start;
-  if (!above && reference_.z() < safe - parameters_.approach.tolerance) {
+  if (!descending_ && reference_.z() < safe - tolerance) {
     goal << reference_.x(), reference_.y(), safe;
-  } else if (!above) {
+  } else if (!descending_) {
     goal.z() = safe;
   }
-  const Eigen::Vector3d before = reference_;
-  const bool arrived = advance_reference(input, goal);
+  // nor does an arm that rests near enough chase it
+  const bool near =
+      reference_velocity_.isZero(0.0) && (goal - reference_).norm() < kApproachRest * tolerance;
+  (void)advance_reference(input, near ? reference_ : goal);
   hold(reference_);
-  if (!arrived) plan_.v_WE = (reference_ - before) / period;
+  plan_.v_WE = reference_velocity_;
   plan_.ball_target << target(input, 0.0, p_WB.head<2>()), p_WB.z();
-  if ((input.p_WE - start).norm() > parameters_.approach.tolerance) {
+  if ((input.p_WE - start).norm() > tolerance) {
     settled_since_ = -1.0;
   } else if (settled_since_ < 0.0) {
     settled_since_ = input.now;

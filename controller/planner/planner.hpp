@@ -100,6 +100,8 @@ class Planner {
   Phase phase_ = Phase::kRoll;
   int ball_ = 0;                                         // that the heuristic works on
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();  // of approach and hold
+  Eigen::Vector3d reference_velocity_ = Eigen::Vector3d::Zero();
+  bool descending_ = false;  // the last part of the approach
   double previous_now_ = -1.0, settled_since_ = -1.0, c3_since_ = -1.0;
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;

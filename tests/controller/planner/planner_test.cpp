@@ -96,6 +96,28 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "planner: the approach is gentle and ends, also at a high rate and with a noisy estimate") {
+  const Parameters p = parameters({"planner.rate_hz=200"});
+  Follower follower(p);
+  const double gentle = 2.0 * 1.0 * follower.period;  // twice 1 m/s² over one period
+  Vector3d velocity = Vector3d::Zero();
+  int periods = 0;
+  while (true) {
+    Input input = input_at(follower.now, follower.p_WE);
+    input.balls[0].ball.p_WB.x() +=
+        0.002 * std::sin(12.9898 * periods);  // up to 2 mm, another one every time
+    input.balls[0].ball.p_WB.y() += 0.002 * std::sin(78.233 * periods);
+    const Plan& plan = follower.planner.step(input);
+    if (plan.mode == Mode::kReturn) break;
+    follower.now += follower.period;
+    follower.p_WE = plan.p_WE;
+    CHECK((plan.v_WE - velocity).norm() <= gentle + 1e-9);
+    velocity = plan.v_WE;
+    REQUIRE(++periods < 1200);  // 6 s
+  }
+}
+
+TEST_CASE(
     "planner: a lost ball makes it hold out of the way, and a ball that is back is approached "
     "again") {
   const Parameters p = parameters();
