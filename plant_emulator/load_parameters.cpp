@@ -1,8 +1,27 @@
 #include "plant_emulator/load_parameters.hpp"
 
+#include <cmath>
+#include <vector>
+
 #include "plant_emulator/plant.hpp"
 
 namespace c3rt::plant {
+
+namespace {
+
+bool may_overlap(const std::vector<BallParameters>& balls) {
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart = (balls[i].position - balls[j].position).norm() - balls[i].start_spread -
+                           balls[j].start_spread;
+      // two balls on one plane touch at this distance, seen from above
+      if (apart < 2.0 * std::sqrt(balls[i].radius * balls[j].radius)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 Parameters load_parameters(config::Section section) {
   Parameters p{};
@@ -29,7 +48,12 @@ Parameters load_parameters(config::Section section) {
     p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}),
                              ball.number("radius_m", {0.005, 0.2}),
                              ball.number("mass_kg", {0.001, 10})});
+    if (ball.has("start_spread_m"))
+      p.world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1});
   }
+  if (may_overlap(p.world.balls))
+    section.fail("balls", "balls that cannot overlap at the start, start_spread_m included",
+                 "two that can");
   section.finish();
   return p;
 }

@@ -24,6 +24,7 @@
 #include "plant_emulator/messages.hpp"
 #include "plant_emulator/orders.hpp"
 #include "plant_emulator/plant.hpp"
+#include "plant_emulator/start.hpp"
 
 namespace c3rt::plant {
 namespace {
@@ -53,8 +54,8 @@ class Schedule {
 /// The plant with its faults and schedules: one call per cycle, the same in both clocks.
 class Cycle {
  public:
-  Cycle(const config::Scenario& scenario, wire::StatusReporter& status)
-      : plant_(scenario.plant),
+  Cycle(const config::Scenario& scenario, std::uint64_t seed, wire::StatusReporter& status)
+      : plant_(drawn_start(scenario.plant, seed)),
         exposure_(std::llround(1e9 / scenario.vision.rate), 0),
         scene_(kScenePeriodNs, 0),
         cycles_(status.counter("cycles")),
@@ -374,7 +375,7 @@ int run(int argc, char** argv) {
   if (settings.session_id == 0) settings.session_id = wire::draw_session();
   wire::Bus bus(settings);
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT);
-  const auto cycle = std::make_unique<Cycle>(scenario, status);
+  const auto cycle = std::make_unique<Cycle>(scenario, options->seed, status);
   spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
                lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
                scenario.plant.world.balls.size());

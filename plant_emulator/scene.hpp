@@ -23,9 +23,10 @@ enum GeomGroup {
 };
 
 struct BallParameters {
-  Eigen::Vector2d position;  // of the centre, seen from above, at the start [m]
-  double radius;             // [m]
-  double mass;               // [kg]; the inertia is that of a solid sphere
+  Eigen::Vector2d position;   // of the centre, seen from above, at the start [m]
+  double radius;              // [m]
+  double mass;                // [kg]; the inertia is that of a solid sphere
+  double start_spread = 0.0;  // `position` is within this of where the scenario says, by seed [m]
 };
 
 /// Coulomb friction coefficients, by pair.

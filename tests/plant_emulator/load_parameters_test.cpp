@@ -42,6 +42,9 @@ TEST_CASE("the plant's section is read key by key") {
   CHECK(p.world.balls[1].position == Eigen::Vector2d(0.45, 0.1));
   CHECK(p.world.balls[1].radius == 0.02);
   CHECK(p.world.balls[1].mass == 0.05);
+  CHECK(p.world.balls[0].start_spread == 0.0);
+  CHECK(parse(replaced("0.132}", "0.132, start_spread_m: 0.01}")).world.balls[0].start_spread ==
+        0.01);
 }
 
 TEST_CASE("a mistake in the plant's section is refused with its line and key") {
@@ -55,6 +58,10 @@ TEST_CASE("a mistake in the plant's section is refused with its line and key") {
                     Catch::Contains("colour"));
   CHECK_THROWS_WITH(parse(replaced("step_s: 0.0005", "step_s: 0.0007")),
                     Catch::Contains("divides 0.001"));
+  CHECK_THROWS_WITH(parse(replaced("[0.45, 0.1]", "[0.5, 0.1]")),
+                    Catch::Contains("balls") && Catch::Contains("overlap"));
+  CHECK_THROWS_WITH(parse(replaced("0.132}", "0.132, start_spread_m: 0.06}")),
+                    Catch::Contains("balls") && Catch::Contains("overlap"));
 }
 
 }  // namespace

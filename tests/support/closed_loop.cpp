@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "plant_emulator/start.hpp"
+
 namespace c3rt::test {
 namespace {
 std::int64_t nanoseconds(double seconds) {
@@ -11,7 +13,7 @@ std::int64_t nanoseconds(double seconds) {
 
 ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
     : scenario_(scenario),
-      plant_(scenario.plant),
+      plant_(plant::drawn_start(scenario.plant, seed)),
       sensor_(scenario.vision.emulated, seed),
       planner_(scenario.planner),
       impedance_(scenario.impedance, model::Arm(impedance::urdf_of(scenario.impedance))),
