@@ -234,8 +234,6 @@ std::string xml(const SceneParameters& parameters) {
           "1\"/>\n</body>\n";
   text += capsules(0) + mesh(0, parameters) + link(0, parameters);
 
-  constexpr std::array<const char*, kMaxBalls> kColours{"1.00 0.36 0.06 1", "0.13 0.45 0.75 1",
-                                                        "0.15 0.60 0.30 1", "0.55 0.25 0.60 1"};
   std::string pairs;
   for (std::size_t i = 0; i < world.balls.size(); ++i) {
     const BallParameters& ball = world.balls[i];
@@ -245,8 +243,8 @@ std::string xml(const SceneParameters& parameters) {
             "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" +
             join(ball.mass) + "\" diaginertia=\"" +
             join(std::array<double, 3>{inertia, inertia, inertia}) + "\"/>\n<geom name=\"" + name +
-            "\" type=\"sphere\" size=\"" + join(ball.radius) + "\" rgba=\"" + kColours.at(i) +
-            "\"/>\n</body>\n";
+            "\" type=\"sphere\" size=\"" + join(ball.radius) + "\" rgba=\"" +
+            join(kBallColours.at(i)) + " 1\"/>\n</body>\n";
     pairs += contact_pair("table", name, world.friction.ball_table, world.rolling_friction);
     pairs += contact_pair("end_effector", name, world.friction.ball_end_effector, 0);
     for (std::size_t j = 0; j < i; ++j)

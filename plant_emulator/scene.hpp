@@ -1,5 +1,6 @@
 #pragma once
 // The MuJoCo model of robot, table and balls; the plant steps it and the virtual cameras render it.
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,11 @@ enum GeomGroup {
   kGroupArmPrimitives = 1,  // the arm as capsules: cheap
   kGroupArmMeshes = 2,      // the arm as meshes; empty without SceneParameters::mesh_directory
 };
+
+/// Colour of each ball, red green blue: far apart in hue, so that a camera can tell them apart.
+inline const std::array<Eigen::Vector3d, kMaxBalls> kBallColours{
+    Eigen::Vector3d{1.00, 0.36, 0.06}, Eigen::Vector3d{0.05, 0.35, 0.95},
+    Eigen::Vector3d{0.10, 0.75, 0.15}, Eigen::Vector3d{0.85, 0.10, 0.75}};
 
 struct BallParameters {
   Eigen::Vector2d position;   // of the centre, seen from above, at the start [m]

@@ -67,6 +67,11 @@ Parameters load_parameters(config::Section section) {
   p.estimator = load_filter(section.section("filter"));
   p.fusion.outlier = section.section("fusion").number("outlier_m", {1e-4, 1});
   p.detector = load_detector(section.section("detector"));
+  p.colours = BallColours::kDistinct;
+  if (section.has("ball_colours")) {
+    p.colours = section.choice<BallColours>(
+        "ball_colours", {{"distinct", BallColours::kDistinct}, {"same", BallColours::kSame}});
+  }
   p.pixel_noise = section.number("pixel_noise", {0, 50});
   for (config::Section& camera : section.list("cameras", 0, kMaxCameras))
     p.cameras.push_back(load_camera(camera));

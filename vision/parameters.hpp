@@ -17,6 +17,12 @@ enum class SourceKind {
   kEmulated,  // ground truth at the exposure plus noise (paper, VII-A)
 };
 
+/// What the balls look like.
+enum class BallColours {
+  kDistinct,  // each in a colour of its own, by which it is told apart
+  kSame,      // all orange: told apart by where they were
+};
+
 struct EmulatedParameters {
   double noise;  // standard deviation on x and y [m]
   double clip;   // the noise of one axis never exceeds this [m]
@@ -37,6 +43,7 @@ struct Parameters {
   EstimatorParameters estimator;
   FusionParameters fusion;
   DetectorParameters detector;
+  BallColours colours;
   double pixel_noise;  // standard deviation of the virtual cameras' noise [grey levels]
   std::vector<CameraParameters> cameras;
 };

@@ -1,74 +1,236 @@
 #include "vision/tracker.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <tuple>
 #include <utility>
+
+#include "vision/track/assign.hpp"
 
 namespace c3rt::vision {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFarthest = 10.0;       // a lost ball may be anywhere within this [m]
+constexpr double kOverlap = 0.8;         // of the sum of the radii: closer centres are impossible
+constexpr std::size_t kMostNearby = 3;   // circles that one region of interest may give
+constexpr std::size_t kMostInImage = 8;  // circles that a full image may give
 
 DetectorParameters for_search(DetectorParameters parameters) {
   parameters.radius_tolerance = parameters.search_radius_tolerance;
   return parameters;
 }
 
-}  // namespace
+/// A circle, and the only ball that it can be; -1: any.
+struct Candidate {
+  Detection detection;
+  int only;
+};
 
-Tracker::Tracker(const Parameters& parameters, double ball_radius, double ball_height,
-                 std::vector<Camera*> cameras)
-    : parameters_(parameters),
-      ball_radius_(ball_radius),
-      ball_height_(ball_height),
-      cameras_(std::move(cameras)),
-      tracking_(parameters.detector),
-      searching_(for_search(parameters.detector)) {}
-
-Sighting Tracker::look_around(std::int64_t exposure_ns, const Eigen::Vector3d& p_expected) {
-  Sighting sighting;
-  sighting.views.resize(cameras_.size());
-  std::vector<CameraEstimate> estimates(cameras_.size());
-  const Expectation expected{p_expected, ball_radius_, ball_height_};
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    View& view = sighting.views[i];
-    const CameraModel& model = cameras_[i]->model();
-    Roi roi;
-    if (!roi_around(model, expected, parameters_.detector.roi, roi)) {
-      view.frame = true;  // nothing was asked of it
-      continue;
-    }
-    view.frame = cameras_[i]->grab(exposure_ns, roi, image_);
-    if (!view.frame) continue;
-    view.detection = tracking_.detect(model, image_, roi, expected);
-    estimates[i] = {view.detection.found, view.detection.p_WB};
-  }
-  sighting.fusion = fuse(estimates, p_expected, parameters_.fusion);
-  for (std::size_t i = 0; i < cameras_.size(); ++i)
-    sighting.views[i].used = sighting.fusion.used[i];
-  return sighting;
+double total_visible(const Sighting& sighting) {
+  double sum = 0.0;
+  for (const View& view : sighting.views) sum += view.used ? view.detection.visible : 0.0;
+  return sum;
 }
 
-Sighting Tracker::observe(std::int64_t exposure_ns, const Eigen::Vector3d& p_expected, bool known) {
-  Sighting sighting;
-  sighting.views.resize(cameras_.size(), View{true, false, {}});
-  if (known) {
-    sighting = look_around(exposure_ns, p_expected);
-    if (sighting.fusion.found) return sighting;
-  }
-  if (cameras_.empty()) return sighting;
+}  // namespace
 
-  // one full image per exposure: it costs as much time as all regions of interest together
+Tracker::Tracker(const Parameters& parameters, std::vector<BallModel> balls,
+                 std::vector<Camera*> cameras)
+    : parameters_(parameters),
+      balls_(std::move(balls)),
+      cameras_(std::move(cameras)),
+      tracking_(parameters.detector),
+      searching_(for_search(parameters.detector)),
+      sightings_(balls_.size()) {
+  if (parameters.colours == BallColours::kSame || balls_.size() < 2) return;
+  std::vector<Eigen::Vector3d> colours;
+  for (const BallModel& ball : balls_) colours.push_back(ball.colour);
+  for (std::size_t i = 0; i < balls_.size(); ++i) keys_.emplace_back(colours, i);
+}
+
+Expectation Tracker::expectation(std::size_t index, const Eigen::Vector3d& p_WB) const {
+  return {p_WB, balls_[index].radius, balls_[index].height};
+}
+
+std::vector<Detection> Tracker::detect(CircleDetector& detector, const CameraModel& model,
+                                       std::size_t ball, const Roi& roi,
+                                       const Expectation& expected, std::size_t most) {
+  // where only one ball can be seen, the first good circle is it
+  if (balls_.size() > 1 && keys_.empty())
+    return detector.detect_all(model, image_, roi, expected, most);
+  if (!keys_.empty()) keys_[ball].extract(image_, channel_);
+  const Detection detection =
+      detector.detect(model, keys_.empty() ? image_ : channel_, roi, expected);
+  if (!detection.found) return {};
+  return {detection};
+}
+
+void Tracker::look_with(std::size_t camera, std::int64_t exposure_ns, const Places& places,
+                        const std::vector<bool>& wanted) {
+  const CameraModel& model = cameras_[camera]->model();
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (!wanted[i] || !places[i]) continue;
+    View& view = sightings_[i].views[camera];
+    view = View{};
+    const Expectation expected = expectation(i, *places[i]);
+    Roi roi;
+    // outside its picture nothing is asked of the camera
+    if (!roi_around(model, expected, parameters_.detector.roi, roi)) continue;
+    view.frame = cameras_[camera]->grab(exposure_ns, roi, image_);
+    if (!view.frame) continue;
+    const std::vector<Detection> seen = detect(tracking_, model, i, roi, expected, kMostNearby);
+    for (const Detection& detection : seen) {
+      // neighbours of one colour are in each other's regions
+      const bool twice =
+          keys_.empty() &&
+          std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+            return (other.detection.p_WB - detection.p_WB).norm() < balls_[i].radius;
+          });
+      if (!twice) candidates.push_back({detection, keys_.empty() ? -1 : static_cast<int>(i)});
+    }
+  }
+
+  const auto rows = static_cast<Eigen::Index>(balls_.size());
+  Eigen::MatrixXd cost =
+      Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const auto ball = static_cast<std::size_t>(i);
+    if (!places[ball]) continue;
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
+      if (candidate.only >= 0 && candidate.only != i) continue;
+      // in radii, so that 1 is the gate of every ball
+      cost(i, j) = (candidate.detection.p_WB - *places[ball]).norm() / balls_[ball].radius;
+    }
+  }
+  const std::vector<int> columns = assign(cost, 1.0);
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (wanted[i] && columns[i] >= 0) {
+      sightings_[i].views[camera].detection =
+          candidates[static_cast<std::size_t>(columns[i])].detection;
+    }
+  }
+}
+
+void Tracker::look_around(std::int64_t exposure_ns, const Places& places,
+                          const std::vector<bool>& wanted) {
+  for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
+    look_with(camera, exposure_ns, places, wanted);
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (!wanted[i] || !places[i]) continue;
+    Sighting& sighting = sightings_[i];
+    std::vector<CameraEstimate> estimates;
+    for (const View& view : sighting.views)
+      estimates.push_back({view.detection.found, view.detection.p_WB});
+    sighting.fusion = fuse(estimates, *places[i], parameters_.fusion);
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
+      sighting.views[camera].used = sighting.fusion.used[camera];
+  }
+}
+
+Tracker::Places Tracker::search(std::int64_t exposure_ns,
+                                const std::vector<Prediction>& predictions) {
+  Places places(balls_.size());
   const std::size_t index = next_search_++ % cameras_.size();
   Camera& camera = *cameras_[index];
   const Roi roi = full_roi(camera.model(), parameters_.detector.search_binning);
-  sighting.searched = true;
+  searched_ = true;
   if (!camera.grab(exposure_ns, roi, image_)) {
-    sighting.views[index].frame = false;
-    return sighting;
+    for (Sighting& sighting : sightings_) {
+      if (!sighting.fusion.found) sighting.views[index].frame = false;
+    }
+    return places;
   }
-  const Detection detection =
-      searching_.detect(camera.model(), image_, roi, {p_expected, ball_radius_, ball_height_});
-  if (!detection.found) return sighting;
-  sighting = look_around(exposure_ns, detection.p_WB);
-  sighting.searched = true;
-  return sighting;
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (sightings_[i].fusion.found) continue;
+    const std::vector<Detection> seen = detect(searching_, camera.model(), i, roi,
+                                               expectation(i, predictions[i].p_WB), kMostInImage);
+    for (const Detection& detection : seen)
+      candidates.push_back({detection, keys_.empty() ? -1 : static_cast<int>(i)});
+    if (keys_.empty()) break;  // the same circles for all
+  }
+  // what another ball explains is not the missing one
+  const auto explained = [&](const Candidate& candidate) {
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      const bool blocks = candidate.only < 0 && sightings_[i].fusion.found;
+      const double distance = (sightings_[i].fusion.p_WB - candidate.detection.p_WB).norm();
+      if (blocks && distance < 2.0 * kOverlap * balls_[i].radius) return true;
+    }
+    return false;
+  };
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), explained),
+                   candidates.end());
+  const auto rows = static_cast<Eigen::Index>(balls_.size());
+  Eigen::MatrixXd cost =
+      Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const auto ball = static_cast<std::size_t>(i);
+    if (sightings_[ball].fusion.found) continue;
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
+      if (candidate.only < 0 || candidate.only == i)
+        cost(i, j) = (candidate.detection.p_WB - predictions[ball].p_WB).norm();
+    }
+  }
+  const std::vector<int> columns = assign(cost, kFarthest);
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (columns[i] >= 0)
+      places[i] = candidates[static_cast<std::size_t>(columns[i])].detection.p_WB;
+  }
+  return places;
+}
+
+void Tracker::drop_impossible(const std::vector<Prediction>& predictions) {
+  // balls are not inside each other: of two in one place, the better seen one is there
+  const auto merit = [&](std::size_t i) {
+    const Sighting& s = sightings_[i];
+    return std::make_tuple(s.fusion.cameras_used, total_visible(s),
+                           -(s.fusion.p_WB - predictions[i].p_WB).norm());
+  };
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!sightings_[i].fusion.found || !sightings_[j].fusion.found) continue;
+      const double distance = (sightings_[i].fusion.p_WB - sightings_[j].fusion.p_WB).norm();
+      if (distance >= kOverlap * (balls_[i].radius + balls_[j].radius)) continue;
+      Sighting& worse = sightings_[merit(i) > merit(j) ? j : i];
+      worse.fusion.found = false;
+      worse.fusion.cameras_used = 0;
+      for (View& view : worse.views) view.used = false;
+    }
+  }
+}
+
+const std::vector<Sighting>& Tracker::observe(std::int64_t exposure_ns,
+                                              const std::vector<Prediction>& predictions) {
+  searched_ = false;
+  Places places(balls_.size());
+  std::vector<bool> wanted(balls_.size());
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    sightings_[i] = Sighting{};
+    sightings_[i].views.resize(cameras_.size());
+    wanted[i] = predictions[i].known;
+    if (wanted[i]) places[i] = predictions[i].p_WB;
+  }
+  look_around(exposure_ns, places, wanted);
+  drop_impossible(predictions);
+
+  for (std::size_t i = 0; i < balls_.size(); ++i) wanted[i] = !sightings_[i].fusion.found;
+  const bool any_missing = std::find(wanted.begin(), wanted.end(), true) != wanted.end();
+  if (!any_missing || cameras_.empty()) return sightings_;
+  // one full image per exposure: it costs as much time as all regions of interest together
+  places = search(exposure_ns, predictions);
+  bool any_place = false;
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (wanted[i]) any_place = any_place || places[i].has_value();
+    if (!wanted[i]) places[i] = sightings_[i].fusion.p_WB;
+  }
+  if (!any_place) return sightings_;
+  look_around(exposure_ns, places, wanted);
+  drop_impossible(predictions);
+  return sightings_;
 }
 
 }  // namespace c3rt::vision

@@ -1,51 +1,90 @@
 #pragma once
-// One ball seen by several cameras: where to look, detection per camera, fusion.
+// Several balls seen by several cameras: where to look, detection per camera, which detection is
+// which ball, fusion per ball.
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "vision/camera.hpp"
 #include "vision/parameters.hpp"
+#include "vision/track/colour.hpp"
 
 namespace c3rt::vision {
 
+/// What is known of a ball before anyone looks.
+struct BallModel {
+  double radius;           // [m]
+  double height;           // of the centre of a ball that lies on the table, z in W [m]
+  Eigen::Vector3d colour;  // red green blue in 0..1; used where Parameters::colours is kDistinct
+};
+
+/// Where a ball should be at an exposure.
+struct Prediction {
+  Eigen::Vector3d p_WB;  // [m]
+  bool known;            // false: p_WB is only the best guess, so the search starts at once
+};
+
 /// What one camera contributed to an exposure.
 struct View {
-  bool frame = false;  // the camera delivered every frame that it was asked for
-  bool used = false;   // detected and not rejected as an outlier
+  bool frame = true;  // the camera delivered every frame that it was asked for
+  bool used = false;  // detected and not rejected as an outlier
   Detection detection;
 };
 
+/// One ball at one exposure.
 struct Sighting {
   Fusion fusion;
   std::vector<View> views;  // by camera
-  bool searched = false;    // a full image was read
 };
 
-/// Finds the ball where it is expected, in a region of interest of each camera; where no camera
-/// sees it there, searches the full image of one camera, another one at each exposure, and then
-/// looks again around what that one found.
+/// Finds each ball where it is expected, in a region of interest of each camera; for those that no
+/// camera sees there, searches the full image of one camera, another one at each exposure, and then
+/// looks again around what was found.
+///
+/// Which circle is which ball: a detection belongs to a ball only within the ball's radius of where
+/// it is expected (two balls' centres are at least a diameter apart), each to at most one, by one
+/// assignment over all balls per camera. A ball that was lost takes a circle that no other ball
+/// explains. Balls of distinct colours are moreover sought each in its own colour.
 class Tracker {
  public:
-  /// @param cameras      outlive the tracker; asked in this order
-  /// @param ball_height  of the centre of a ball that lies on the table, z in W [m]
-  Tracker(const Parameters& parameters, double ball_radius, double ball_height,
-          std::vector<Camera*> cameras);
+  /// @param cameras  outlive the tracker; asked in this order
+  /// @throws std::invalid_argument if distinct colours are asked for and two are too much alike
+  Tracker(const Parameters& parameters, std::vector<BallModel> balls, std::vector<Camera*> cameras);
 
-  /// @param p_expected  where the ball should be at this exposure
-  /// @param known       false: p_expected is only the best guess, so the search starts at once
-  Sighting observe(std::int64_t exposure_ns, const Eigen::Vector3d& p_expected, bool known);
+  /// @param predictions  by ball
+  /// @return by ball; valid until the next call
+  const std::vector<Sighting>& observe(std::int64_t exposure_ns,
+                                       const std::vector<Prediction>& predictions);
+  /// A full image was read at the last exposure.
+  bool searched() const { return searched_; }
 
  private:
-  Sighting look_around(std::int64_t exposure_ns, const Eigen::Vector3d& p_expected);
+  using Places = std::vector<std::optional<Eigen::Vector3d>>;  // by ball; none: not to be seen
+
+  /// Looks for the balls of `wanted` about their places, with the other balls' places in mind.
+  void look_around(std::int64_t exposure_ns, const Places& places, const std::vector<bool>& wanted);
+  void look_with(std::size_t camera, std::int64_t exposure_ns, const Places& places,
+                 const std::vector<bool>& wanted);
+  /// One full image: a place for each missing ball that is in it.
+  Places search(std::int64_t exposure_ns, const std::vector<Prediction>& predictions);
+  void drop_impossible(const std::vector<Prediction>& predictions);
+  /// Circles in image_ that may be that ball, the nearest to the expectation first.
+  std::vector<Detection> detect(CircleDetector& detector, const CameraModel& model,
+                                std::size_t ball, const Roi& roi, const Expectation& expected,
+                                std::size_t most);
+  Expectation expectation(std::size_t index, const Eigen::Vector3d& p_WB) const;
 
   Parameters parameters_;
-  double ball_radius_, ball_height_;
+  std::vector<BallModel> balls_;
+  std::vector<ColourKey> keys_;  // by ball; empty: all look alike
   std::vector<Camera*> cameras_;
   CircleDetector tracking_, searching_;
+  std::vector<Sighting> sightings_;
   std::size_t next_search_ = 0;
-  cv::Mat image_;
+  bool searched_ = false;
+  cv::Mat image_, channel_;
 };
 
 }  // namespace c3rt::vision

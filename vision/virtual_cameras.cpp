@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include <GL/osmesa.h>
 #include <opencv2/core.hpp>
@@ -21,11 +23,25 @@ struct OsMesaDeleter {
   void operator()(osmesa_context* context) const noexcept { OSMesaDestroyContext(context); }
 };
 
-/// Radius of a sphere about the geom's centre that holds it; infinite for planes.
-double bounding_radius(const mjvGeom& geom) {
-  if (geom.type == mjGEOM_PLANE) return std::numeric_limits<double>::infinity();
-  if (geom.type == mjGEOM_SPHERE) return geom.size[0];
-  return static_cast<double>(geom.size[0]) + geom.size[1] + geom.size[2];
+/// A geom's hull: all points within `radius` of the straight line from -half_axis to half_axis.
+struct Hull {
+  Eigen::Vector3d half_axis;
+  double radius;
+};
+Hull hull_of(const mjvGeom& geom) {
+  const Eigen::Vector3d axis(geom.mat[2], geom.mat[5], geom.mat[8]);
+  switch (geom.type) {
+    case mjGEOM_PLANE:
+      return {Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
+    case mjGEOM_SPHERE:
+      return {Eigen::Vector3d::Zero(), geom.size[0]};
+    case mjGEOM_CAPSULE:
+    case mjGEOM_CYLINDER:
+      return {static_cast<double>(geom.size[2]) * axis, geom.size[0]};
+    default:
+      return {Eigen::Vector3d::Zero(),
+              static_cast<double>(geom.size[0]) + geom.size[1] + geom.size[2]};
+  }
 }
 
 /// The part of space that a region of the sensor sees: inside the four planes through the camera's
@@ -42,9 +58,11 @@ class Pyramid {
   }
   bool sees(const mjvGeom& geom) const {
     const Eigen::Vector3d p_C = X_CW_ * Eigen::Vector3d(geom.pos[0], geom.pos[1], geom.pos[2]);
-    const double radius = bounding_radius(geom);
-    return std::all_of(outward_.begin(), outward_.end(),
-                       [&](const Eigen::Vector3d& n) { return n.dot(p_C) < radius; });
+    const Hull hull = hull_of(geom);
+    const Eigen::Vector3d half_axis_C = X_CW_.linear() * hull.half_axis;
+    return std::all_of(outward_.begin(), outward_.end(), [&](const Eigen::Vector3d& n) {
+      return n.dot(p_C) - std::abs(n.dot(half_axis_C)) < hull.radius;
+    });
   }
 
  private:
@@ -116,6 +134,7 @@ struct VirtualCameras::Implementation {
     }
     model = plant::build_model(scene_of(world));
     data.reset(mj_makeData(model.get()));
+    if (parameters.colours == BallColours::kSame) paint_all_alike();
     int search_width = 1, search_height = 1;
     for (const CameraParameters& camera : parameters.cameras) {
       Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
@@ -141,6 +160,15 @@ struct VirtualCameras::Implementation {
     mjv_defaultScene(&scene);
     mjv_makeScene(model.get(), &scene, kMaxGeoms);
     mjv_defaultFreeCamera(model.get(), &free_camera);
+  }
+
+  void paint_all_alike() {
+    for (std::size_t ball = 0; 7 * ball < static_cast<std::size_t>(model->nq - plant::kJoints);
+         ++ball) {
+      const int geom = mj_name2id(model.get(), mjOBJ_GEOM, ("ball" + std::to_string(ball)).c_str());
+      Eigen::Map<Eigen::Vector3f>(model->geom_rgba + 4 * geom) =
+          plant::kBallColours[0].cast<float>();
+    }
   }
 
   ~Implementation() {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -57,8 +56,8 @@ class Source {
  public:
   virtual ~Source() = default;
   virtual void expose(const wire::Scene& scene) = 0;
-  /// @param known false: the ball is lost and p_expected no more than a guess
-  virtual Observation observe(int ball, const Eigen::Vector3d& p_expected, bool known) = 0;
+  /// @param predictions by ball, as the result
+  virtual std::vector<Observation> observe(const std::vector<Prediction>& predictions) = 0;
   virtual void freeze(int camera, std::int64_t until_ns) = 0;  // a negative index means all
 };
 
@@ -68,11 +67,14 @@ class EmulatedSource : public Source {
       : sensor_(parameters.emulated, seed) {}
 
   void expose(const wire::Scene& scene) override { scene_ = scene; }
-  Observation observe(int ball, const Eigen::Vector3d&, bool) override {
-    Observation seen;
-    const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[ball]);
-    seen.measurement = {scene_.header.time_ns, ball < scene_.ball_count, sensor_.measure(truth)};
-    seen.cameras_used = 1;
+  std::vector<Observation> observe(const std::vector<Prediction>& predictions) override {
+    std::vector<Observation> seen(predictions.size());
+    for (std::size_t ball = 0; ball < seen.size(); ++ball) {
+      const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[ball]);
+      seen[ball].measurement = {scene_.header.time_ns, static_cast<int>(ball) < scene_.ball_count,
+                                sensor_.measure(truth)};
+      seen[ball].cameras_used = 1;
+    }
     return seen;
   }
   void freeze(int, std::int64_t) override {}
@@ -86,20 +88,18 @@ class CameraSource : public Source {
  public:
   CameraSource(const config::Scenario& scenario, std::uint64_t seed)
       : rig_(scenario.plant.world, scenario.vision, seed) {
-    const plant::World& world = scenario.plant.world;
-    if (world.balls.size() != 1) {
-      throw std::invalid_argument(
-          "vision.source cameras tells no balls apart: it needs exactly one ball, not " +
-          std::to_string(world.balls.size()) + "; emulated can have more");
-    }
     std::vector<Camera*> cameras;
     for (Camera* camera : rig_.cameras()) {
       faulty_.push_back(std::make_unique<FaultyCamera>(*camera));
       cameras.push_back(faulty_.back().get());
     }
-    const double radius = world.balls[0].radius;
-    tracker_ =
-        std::make_unique<Tracker>(scenario.vision, radius, world.table_height + radius, cameras);
+    const plant::World& world = scenario.plant.world;
+    std::vector<BallModel> balls;
+    for (std::size_t i = 0; i < world.balls.size(); ++i) {
+      const double radius = world.balls[i].radius;
+      balls.push_back({radius, world.table_height + radius, plant::kBallColours.at(i)});
+    }
+    tracker_ = std::make_unique<Tracker>(scenario.vision, balls, cameras);
   }
 
   void expose(const wire::Scene& scene) override {
@@ -114,11 +114,14 @@ class CameraSource : public Source {
     }
     rig_.expose(pose_);
   }
-  Observation observe(int, const Eigen::Vector3d& p_expected, bool known) override {
-    Sighting sighting = tracker_->observe(pose_.exposure_ns, p_expected, known);
-    return {{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
-            sighting.fusion.cameras_used,
-            std::move(sighting.views)};
+  std::vector<Observation> observe(const std::vector<Prediction>& predictions) override {
+    std::vector<Observation> seen;
+    for (const Sighting& sighting : tracker_->observe(pose_.exposure_ns, predictions)) {
+      seen.push_back({{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
+                      sighting.fusion.cameras_used,
+                      sighting.views});
+    }
+    return seen;
   }
   void freeze(int camera, std::int64_t until_ns) override {
     for (int i = 0; i < static_cast<int>(faulty_.size()); ++i) {
@@ -162,10 +165,11 @@ class Service {
         lost_events_(status.counter("lost_events")),
         restarts_(status.counter("restarts")) {
     const plant::World& world = scenario.plant.world;
-    for (const plant::BallParameters& ball : world.balls) {
-      estimators_.emplace_back(scenario.vision.estimator, ball.radius);
-      const Eigen::Vector2d centre = planner::middle(scenario.task.motion);
-      first_guess_.emplace_back(centre.x(), centre.y(), world.table_height + ball.radius);
+    for (std::size_t i = 0; i < world.balls.size(); ++i) {
+      estimators_.emplace_back(scenario.vision.estimator, world.balls[i].radius);
+      // vision knows the table as level
+      const Eigen::Vector2d& start = world.balls[i].position;
+      start_.emplace_back(start.x(), start.y(), world.table_height + world.balls[i].radius);
     }
     status_.set_state(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
   }
@@ -247,16 +251,21 @@ class Service {
       status_.wakeup_latency().add(1e-9 * static_cast<double>(began_ns - exposure_ns));
     }
     source_->expose(scene);
-    for (std::size_t i = 0; i < estimators_.size(); ++i) process_ball(i, exposure_ns);
+    std::vector<Prediction> predictions;
+    for (std::size_t i = 0; i < estimators_.size(); ++i) {
+      const Estimate& before = estimators_[i].estimate();
+      predictions.push_back({before.seen ? estimators_[i].predict(exposure_ns) : start_[i],
+                             before.valid || !before.seen});
+    }
+    std::vector<Observation> seen = source_->observe(predictions);
+    for (std::size_t i = 0; i < seen.size(); ++i) process_ball(i, exposure_ns, seen[i]);
     status_.compute().add(1e-9 * static_cast<double>(rt::now_ns() - began_ns));
   }
 
-  void process_ball(std::size_t index, std::int64_t exposure_ns) {
+  void process_ball(std::size_t index, std::int64_t exposure_ns, Observation& seen) {
     Estimator& estimator = estimators_[index];
     const int ball = static_cast<int>(index);
     const Estimate before = estimator.estimate();
-    Observation seen = source_->observe(
-        ball, before.seen ? estimator.predict(exposure_ns) : first_guess_[index], before.valid);
     if (exposure_ns < faults_.lose_ball_ns) {
       seen.measurement.found = false;
       seen.cameras_used = 0;
@@ -301,11 +310,17 @@ class Service {
   void report(int ball, const Estimate& before, const Estimate& now) {
     if (now.restarted && before.valid) ++restarts_;
     if (now.valid == before.valid) return;
-    if (now.valid) {
-      status_.set_state(c3rt_v1_SERVICE_RUNNING, "tracks the ball");
+    if (!now.valid) ++lost_events_;
+    std::string lost;
+    for (std::size_t i = 0; i < estimators_.size(); ++i) {
+      const Estimate& estimate = estimators_[i].estimate();
+      if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
+    }
+    if (lost.empty()) {
+      status_.set_state(c3rt_v1_SERVICE_RUNNING,
+                        estimators_.size() == 1 ? "tracks the ball" : "tracks the balls");
     } else {
-      ++lost_events_;
-      status_.set_state(c3rt_v1_SERVICE_DEGRADED, "ball " + std::to_string(ball) + " is lost");
+      status_.set_state(c3rt_v1_SERVICE_DEGRADED, "lost ball " + lost);
     }
     spdlog::info("ball={} {}", ball, now.valid ? "found" : "lost");
   }
@@ -322,7 +337,7 @@ class Service {
   wire::StatusReporter& status_;
   std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_;
   std::vector<Estimator> estimators_;
-  std::vector<Eigen::Vector3d> first_guess_;
+  std::vector<Eigen::Vector3d> start_;
   Faults faults_;
   std::int64_t last_exposure_ns_ = 0;
 };
@@ -349,7 +364,7 @@ int run(int argc, char** argv) {
   int exit_status = 0;
   const auto options = config::parse_process_options(
       argc, argv, "c3rt-vision",
-      "Three virtual cameras, or an emulated sensor: the ball's position, velocity and spin.",
+      "Three virtual cameras, or an emulated sensor: the balls' positions, velocities and spin.",
       exit_status);
   if (!options) return exit_status;
   const wire::StopFlag stop;

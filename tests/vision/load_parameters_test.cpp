@@ -70,6 +70,12 @@ TEST_CASE("vision parameters: mistakes are refused by key") {
   REQUIRE_THROWS_WITH(load(kGood + "shutter_s: 1\n"), Catch::Contains("shutter_s"));
 }
 
+TEST_CASE("vision parameters: balls have distinct colours unless the scenario says otherwise") {
+  REQUIRE(load(kGood).colours == vision::BallColours::kDistinct);
+  REQUIRE(load(kGood + "ball_colours: same\n").colours == vision::BallColours::kSame);
+  REQUIRE_THROWS_WITH(load(kGood + "ball_colours: red\n"), Catch::Contains("ball_colours"));
+}
+
 TEST_CASE("vision parameters: only the emulated source can do without cameras") {
   const std::string without = kGood.substr(0, kGood.find("cameras:\n")) + "cameras: []\n";
   REQUIRE_THROWS_WITH(load(without), Catch::Contains("cameras"));

@@ -2,12 +2,14 @@
 #include "idl/process.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <functional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -34,9 +36,17 @@ std::string read_file(const std::string& path) {
   return text.str();
 }
 
-/// The scenario circle_slow with the three cameras of this folder in place of its section `vision`.
-std::string camera_scenario() {
-  const std::string circle = read_file(kSource + "/config/scenarios/circle_slow.yaml");
+/// The scenario circle_slow with the three cameras of this folder in place of its section `vision`,
+/// and with what is replaced.
+std::string camera_scenario(
+    const std::vector<std::pair<std::string, std::string>>& replacements = {}) {
+  std::string circle = read_file(kSource + "/config/scenarios/circle_slow.yaml");
+  for (const auto& [from, to] : replacements) {
+    std::size_t at = circle.find(from);
+    REQUIRE(at != std::string::npos);
+    for (; at != std::string::npos; at = circle.find(from, at + to.size()))
+      circle.replace(at, from.size(), to);
+  }
   const std::size_t vision = circle.find("\nvision:");
   REQUIRE(vision != std::string::npos);
   const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/three_cameras_scenario.yaml";
@@ -198,6 +208,63 @@ TEST_CASE(
   CHECK(same_bits(first, trace(scenario, 1500)));
 }
 
+TEST_CASE(
+    "in lockstep three balls in contact have an estimate each, within 1 mm, by their number") {
+  std::string balls;
+  for (const char* y : {"0", "0.063", "0.126"}) {
+    balls +=
+        std::string("    - {position_m: [0.65, ") + y + "], radius_m: 0.0315, mass_kg: 0.132}\n";
+  }
+  Child child(camera_scenario(
+                  {{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132}\n", balls},
+                   {"friction_table: 1.0", "friction_balls: 1.0"},
+                   {" ball_z: 1000,", ""},
+                   {" ball_z: 5,", ""},
+                   {"table_normal", "balls_normal"},
+                   {"table_tangential", "balls_tangential"},
+                   {"ball_table: true", "ball_ball: true"}}),
+              "lockstep");
+  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
+  wire::Writer<wire::Scene> scenes(bus);
+  wire::Reader<wire::BallEstimate> estimates(bus, 64);
+  wire::Reader<wire::BallDetection> detections(bus, 64);
+  wire::LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 30 * kSecond);
+  std::array<std::vector<double>, 3> errors;
+  std::array<int, 3> used{};
+  for (std::int64_t now_ns = kMs, next_ns = 0; now_ns < kSecond; now_ns += kMs) {
+    if (now_ns >= next_ns) {
+      next_ns += kPeriod;
+      wire::Scene scene = scene_at(now_ns, true);
+      scene.ball_count = 3;
+      for (int ball = 1; ball < 3; ++ball) {
+        std::copy_n(scene.p_WB_m[0], 3, scene.p_WB_m[ball]);
+        scene.p_WB_m[ball][1] += 2 * kRadius * ball;
+        scene.q_WB[ball][0] = 1.0;
+      }
+      scenes.write(scene, now_ns);
+    }
+    REQUIRE(master.advance(now_ns));
+    wire::BallEstimate estimate{};
+    while (estimates.take(estimate)) {
+      REQUIRE(estimate.ball >= 0);
+      REQUIRE(estimate.ball < 3);
+      REQUIRE(estimate.valid);
+      estimate.p_WB_m[1] -= 2 * kRadius * estimate.ball;
+      errors.at(static_cast<std::size_t>(estimate.ball)).push_back(error(estimate));
+    }
+    wire::BallDetection detection{};
+    while (detections.take(detection)) {
+      if (detection.used) ++used.at(static_cast<std::size_t>(detection.ball));
+    }
+  }
+  for (std::size_t ball = 0; ball < 3; ++ball) {
+    CAPTURE(ball);
+    REQUIRE(errors[ball].size() == 80);
+    CHECK(p95(errors[ball]) < 1e-3);
+    CHECK(used[ball] > 160);
+  }
+}
+
 TEST_CASE("in lockstep the emulated sensor's noise is the seed's, bit for bit") {
   const std::string scenario = kSource + "/config/scenarios/circle_slow.yaml";
   const auto with_seed = [&](const std::string& seed) {
@@ -263,7 +330,7 @@ TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the p
 
 TEST_CASE("a scenario that asks for the impossible is refused before anything starts") {
   const std::string scenario = kSource + "/config/scenarios/circle_slow.yaml";
-  Child without_cameras(scenario, "lockstep", 
+  Child without_cameras(scenario, "lockstep",
                         {"--set", "vision.source=cameras", "--set", "vision.cameras=[]"});
   CHECK(without_cameras.wait() == 2);
   Child unknown(scenario, "lockstep", {"--set", "vision.rate=80"});

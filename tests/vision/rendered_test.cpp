@@ -4,90 +4,18 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
-#include <mujoco/mujoco.h>
 #include <opencv2/core.hpp>
 
-#include "vision/load_parameters.hpp"
+#include "tests/vision/rendered_scene.hpp"
 #include "vision/tracker.hpp"
-#include "vision/virtual_cameras.hpp"
 
 using namespace c3rt;
 using namespace c3rt::vision;
+using namespace c3rt::vision::test;
 
 namespace {
-
-constexpr double kRadius = 0.0315;
-constexpr double kTable = 0.0;
-constexpr double kPeriod = 0.0125;  // [s]
-const Eigen::Vector3d kCentre(0.55, 0.0, kTable + kRadius);
-
-Parameters parameters() {
-  return load_parameters(config::Document::load(std::string(C3RT_SOURCE_DIRECTORY) +
-                                                "/tests/vision/three_cameras.yaml"));
-}
-
-plant::World world() {
-  plant::World world{};
-  world.table_height = kTable;
-  world.table_tilt.setZero();
-  world.friction = {1, 1, 1, 1};
-  world.rolling_friction = 0;
-  world.step = 5e-4;
-  world.balls = {{{0.55, 0.1}, kRadius, 0.132}};
-  return world;
-}
-
-/// Joint angles that hold the end effector's sphere at a place, pointing down: damped least squares
-/// on MuJoCo's model.
-class InverseKinematics {
- public:
-  InverseKinematics() {
-    model_ = plant::build_model({world(), {}, 16, 16, 0, ""});
-    data_.reset(mj_makeData(model_.get()));
-    const std::array<double, 7> start{0, 0.4, 0, -2.222, 0, 2.622, 0};
-    std::copy(start.begin(), start.end(), data_->qpos);
-    site_ = mj_name2id(model_.get(), mjOBJ_SITE, "end_effector");
-  }
-  std::array<double, 7> solve(const Eigen::Vector3d& p_WE) {
-    using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
-    Jacobian linear(3, model_->nv), angular(3, model_->nv);
-    for (int iteration = 0; iteration < 30; ++iteration) {
-      mj_kinematics(model_.get(), data_.get());
-      mj_comPos(model_.get(), data_.get());
-      mj_jacSite(model_.get(), data_.get(), linear.data(), angular.data(), site_);
-      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_WE(data_->site_xmat +
-                                                                                9 * site_);
-      Eigen::Matrix<double, 6, 1> error;
-      error << p_WE - Eigen::Map<const Eigen::Vector3d>(data_->site_xpos + 3 * site_),
-          R_WE.col(2).cross(-Eigen::Vector3d::UnitZ());
-      if (error.norm() < 1e-9) break;
-      Eigen::Matrix<double, 6, 7> J;
-      J << linear.leftCols(7), angular.leftCols(7);
-      const Eigen::Matrix<double, 6, 6> damped =
-          J * J.transpose() + 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
-      const Eigen::Matrix<double, 7, 1> dq = J.transpose() * damped.ldlt().solve(error);
-      for (int i = 0; i < 7; ++i) data_->qpos[i] += dq[i];
-    }
-    std::array<double, 7> q{};
-    std::copy(data_->qpos, data_->qpos + 7, q.begin());
-    reached_ = Eigen::Map<const Eigen::Vector3d>(data_->site_xpos + 3 * site_);
-    return q;
-  }
-  const Eigen::Vector3d& reached() const { return reached_; }
-
- private:
-  plant::Model model_;
-  plant::Data data_;
-  int site_ = 0;
-  Eigen::Vector3d reached_ = Eigen::Vector3d::Zero();
-};
-
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
-}
 
 struct Errors {
   std::vector<double> fused, filtered;  // distance to the truth at the exposure [m]
@@ -121,8 +49,11 @@ Errors roll(VirtualCameras& rig, Tracker& tracker, const Parameters& p, double b
 
     rig.expose(pose);
     const bool known = estimator.estimate().valid;
-    const Sighting sighting = tracker.observe(
-        pose.exposure_ns, known ? estimator.predict(pose.exposure_ns) : kCentre, known);
+    const Sighting sighting =
+        tracker
+            .observe(pose.exposure_ns,
+                     {{known ? estimator.predict(pose.exposure_ns) : kCentre, known}})
+            .at(0);
     const Estimate& estimate =
         estimator.step({pose.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB});
     errors.cameras_used += sighting.fusion.cameras_used / double(exposures);
@@ -142,8 +73,8 @@ TEST_CASE(
     "three cameras: the rolling ball is known within 1 mm at the 95th percentile, with the arm "
     "above it") {
   const Parameters p = parameters();
-  VirtualCameras rig(world(), p, 1);
-  Tracker tracker(p, kRadius, kTable + kRadius, rig.cameras());
+  VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
   for (const auto& [back, side] : {std::pair{0.025, 0.0}, std::pair{0.02, 0.02}}) {
     const Errors errors = roll(rig, tracker, p, back, side);
     CAPTURE(back, side);
@@ -161,8 +92,8 @@ TEST_CASE(
 
 TEST_CASE("three cameras: a ball that was moved, or never seen, is found within four exposures") {
   const Parameters p = parameters();
-  VirtualCameras rig(world(), p, 1);
-  Tracker tracker(p, kRadius, kTable + kRadius, rig.cameras());
+  VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
   ScenePose pose;
   pose.q = {0, 0.275, 0, -2.222, 0, 2.497, 0};
   pose.X_WB = {Eigen::Isometry3d::Identity()};
@@ -176,11 +107,11 @@ TEST_CASE("three cameras: a ball that was moved, or never seen, is found within 
     for (; exposures < 4 && !sighting.fusion.found; ++exposures) {
       ++pose.exposure_ns;
       rig.expose(pose);
-      sighting = tracker.observe(pose.exposure_ns, p_expected, known);
+      sighting = tracker.observe(pose.exposure_ns, {{p_expected, known}}).at(0);
     }
     CAPTURE(place.x(), place.y(), exposures);
     REQUIRE(sighting.fusion.found);
-    REQUIRE(sighting.searched);
+    REQUIRE(tracker.searched());
     REQUIRE((sighting.fusion.p_WB - pose.X_WB[0].translation()).norm() < 1e-3);
     p_expected = sighting.fusion.p_WB;
     known = true;
@@ -189,7 +120,7 @@ TEST_CASE("three cameras: a ball that was moved, or never seen, is found within 
 
 TEST_CASE("three cameras: a frame of another exposure is not delivered") {
   const Parameters p = parameters();
-  VirtualCameras rig(world(), p, 1);
+  VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
   ScenePose pose;
   pose.exposure_ns = 5;
   pose.X_WB = {Eigen::Isometry3d::Identity()};
@@ -208,7 +139,7 @@ TEST_CASE("three cameras: a frame of another exposure is not delivered") {
 
 TEST_CASE("three cameras: a region shows the same picture as a larger one") {
   const Parameters p = parameters();
-  VirtualCameras rig(world(), p, 1);
+  VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
   ScenePose pose;
   pose.q = {0, 0.4, 0, -2.222, 0, 2.622, 0};
   pose.exposure_ns = 1;

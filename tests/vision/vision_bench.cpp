@@ -15,25 +15,42 @@ namespace {
 
 constexpr double kRadius = 0.0315;
 
+/// In contact, in a row, the first under the tool.
+const std::vector<Eigen::Vector2d> kPlaces = {
+    {0.57, 0.02}, {0.57, 0.02 - 2 * kRadius}, {0.57, 0.02 - 4 * kRadius}};
+
 struct Rig {
-  Rig()
+  explicit Rig(std::size_t balls, BallColours colours = BallColours::kDistinct)
       : parameters(load_parameters(config::Document::load(std::string(C3RT_SOURCE_DIRECTORY) +
                                                           "/tests/vision/three_cameras.yaml"))),
-        world(make_world()),
-        cameras(world, parameters, 1),
-        tracker(parameters, kRadius, kRadius, cameras.cameras()) {
+        cameras(make_world(balls), with(parameters, colours), 1),
+        tracker(with(parameters, colours), models(balls), cameras.cameras()) {
     cv::setNumThreads(1);
     pose.q = {0, 0.4, 0, -2.222, 0, 2.622, 0};
-    pose.X_WB = {Eigen::Isometry3d::Identity()};
-    pose.X_WB[0].translation() = Eigen::Vector3d(0.57, 0.02, kRadius);
+    for (std::size_t i = 0; i < balls; ++i) {
+      pose.X_WB.emplace_back(Eigen::Isometry3d::Identity());
+      pose.X_WB.back().translation() = Eigen::Vector3d(kPlaces[i].x(), kPlaces[i].y(), kRadius);
+      known.push_back({pose.X_WB.back().translation(), true});
+      unknown.push_back({Eigen::Vector3d(0.55, 0, kRadius), false});
+    }
     expose();
   }
-  static plant::World make_world() {
+  static Parameters with(Parameters p, BallColours colours) {
+    p.colours = colours;
+    return p;
+  }
+  static std::vector<BallModel> models(std::size_t balls) {
+    std::vector<BallModel> result;
+    for (std::size_t i = 0; i < balls; ++i)
+      result.push_back({kRadius, kRadius, plant::kBallColours.at(i)});
+    return result;
+  }
+  static plant::World make_world(std::size_t balls) {
     plant::World world{};
     world.table_tilt.setZero();
     world.friction = {1, 1, 1, 1};
     world.step = 5e-4;
-    world.balls = {{{0.55, 0.1}, kRadius, 0.132}};
+    for (std::size_t i = 0; i < balls; ++i) world.balls.push_back({kPlaces[i], kRadius, 0.132});
     return world;
   }
   void expose() {
@@ -43,14 +60,14 @@ struct Rig {
   Expectation expected() const { return {pose.X_WB[0].translation(), kRadius, kRadius}; }
 
   Parameters parameters;
-  plant::World world;
   VirtualCameras cameras;
   Tracker tracker;
   ScenePose pose;
+  std::vector<Prediction> known, unknown;
 };
 
 Rig& rig() {
-  static Rig the_rig;
+  static Rig the_rig(1);
   return the_rig;
 }
 
@@ -89,24 +106,35 @@ void detect_in_regions(benchmark::State& state) {
   }
 }
 
-void track(benchmark::State& state) {
-  Rig& r = rig();
+void observe(benchmark::State& state, Rig& r, const std::vector<Prediction>& predictions) {
   for (auto _ : state) {
     r.expose();
-    const Sighting sighting =
-        r.tracker.observe(r.pose.exposure_ns, r.pose.X_WB[0].translation(), true);
-    if (sighting.fusion.cameras_used != 3) state.SkipWithError("a camera does not see the ball");
+    for (const Sighting& sighting : r.tracker.observe(r.pose.exposure_ns, predictions)) {
+      if (sighting.fusion.cameras_used < 2)
+        state.SkipWithError("a ball is not seen by two cameras");
+    }
   }
 }
 
-void search_one_camera_then_track(benchmark::State& state) {
-  Rig& r = rig();
-  for (auto _ : state) {
-    r.expose();
-    const Sighting sighting =
-        r.tracker.observe(r.pose.exposure_ns, Eigen::Vector3d(0.55, 0, kRadius), false);
-    if (!sighting.fusion.found) state.SkipWithError("the search does not find the ball");
-  }
+void track(benchmark::State& state) { observe(state, rig(), rig().known); }
+
+void search_one_camera_then_track(benchmark::State& state) { observe(state, rig(), rig().unknown); }
+
+void track_three_balls(benchmark::State& state) {
+  static Rig r(3);
+  observe(state, r, r.known);
+}
+
+void track_three_balls_of_one_colour(benchmark::State& state) {
+  static Rig r(3, BallColours::kSame);
+  observe(state, r, r.known);
+}
+
+void track_two_balls_and_search_the_third(benchmark::State& state) {
+  static Rig r(3);
+  std::vector<Prediction> predictions = r.known;
+  predictions[2] = r.unknown[2];
+  observe(state, r, predictions);
 }
 
 BENCHMARK(expose)->Unit(benchmark::kMillisecond);
@@ -114,6 +142,9 @@ BENCHMARK(render_regions)->Unit(benchmark::kMillisecond);
 BENCHMARK(detect_in_regions)->Unit(benchmark::kMillisecond);
 BENCHMARK(track)->Unit(benchmark::kMillisecond);
 BENCHMARK(search_one_camera_then_track)->Unit(benchmark::kMillisecond);
+BENCHMARK(track_three_balls)->Unit(benchmark::kMillisecond);
+BENCHMARK(track_three_balls_of_one_colour)->Unit(benchmark::kMillisecond);
+BENCHMARK(track_two_balls_and_search_the_third)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

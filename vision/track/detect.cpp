@@ -175,8 +175,10 @@ Eigen::Vector2d to_image(const Roi& roi, const Eigen::Vector2d& full) noexcept {
           (full.y() - roi.y + 0.5) / roi.binning - 0.5};
 }
 
-Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
-                                 const Expectation& expected) {
+std::vector<cv::Vec3f> CircleDetector::circles(const CameraModel& camera, const cv::Mat& image,
+                                               const Roi& roi, const Expectation& expected) {
+  const Eigen::Vector3d p_C = camera.X_WC.inverse() * expected.p_WB;
+  if (!(p_C.z() > 2.0 * expected.ball_radius)) return {};
   if (image.type() == CV_8UC3) {
     // grey things have no difference between red and blue, whatever the light
     cv::extractChannel(image, channel_, 0);
@@ -187,26 +189,50 @@ Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image
   }
   cv::GaussianBlur(channel_, smooth_, cv::Size(5, 5), parameters_.blur);
 
-  const Eigen::Vector3d p_C = camera.X_WC.inverse() * expected.p_WB;
-  if (!(p_C.z() > 2.0 * expected.ball_radius)) return {};
   const double radius = expected_radius_px(camera, p_C, expected.ball_radius) / roi.binning;
   const int smallest = static_cast<int>(std::floor(radius * (1.0 - parameters_.radius_tolerance)));
   const int largest = static_cast<int>(std::ceil(radius * (1.0 + parameters_.radius_tolerance)));
-  std::vector<cv::Vec3f> circles;
-  cv::HoughCircles(smooth_, circles, cv::HOUGH_GRADIENT, parameters_.hough_resolution, radius,
+  std::vector<cv::Vec3f> found;
+  cv::HoughCircles(smooth_, found, cv::HOUGH_GRADIENT, parameters_.hough_resolution, radius,
                    parameters_.hough_edge, parameters_.hough_votes, std::max(1, smallest),
                    std::max(2, largest));
 
   const Eigen::Vector2d wanted = to_image(roi, project(camera, p_C));
-  std::sort(circles.begin(), circles.end(), [&](const cv::Vec3f& a, const cv::Vec3f& b) {
+  std::sort(found.begin(), found.end(), [&](const cv::Vec3f& a, const cv::Vec3f& b) {
     return std::hypot(a[0] - wanted.x(), a[1] - wanted.y()) <
            std::hypot(b[0] - wanted.x(), b[1] - wanted.y());
   });
-  for (const cv::Vec3f& circle : circles) {
+  return found;
+}
+
+Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
+                                 const Expectation& expected) {
+  for (const cv::Vec3f& circle : circles(camera, image, roi, expected)) {
     const Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
     if (detection.found) return detection;
   }
   return {};
+}
+
+std::vector<Detection> CircleDetector::detect_all(const CameraModel& camera, const cv::Mat& image,
+                                                  const Roi& roi, const Expectation& expected,
+                                                  std::size_t most) {
+  std::vector<Detection> found;
+  for (const cv::Vec3f& circle : circles(camera, image, roi, expected)) {
+    const Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
+    if (!detection.found) continue;
+    // two balls cannot be in one place
+    const auto same = std::find_if(found.begin(), found.end(), [&](const Detection& other) {
+      return (other.p_WB - detection.p_WB).norm() < expected.ball_radius;
+    });
+    if (same == found.end()) {
+      if (found.size() == most) break;
+      found.push_back(detection);
+    } else if (detection.visible > same->visible) {
+      *same = detection;
+    }
+  }
+  return found;
 }
 
 void CircleDetector::find_edges(const CameraModel& camera, const Roi& roi,

@@ -1,6 +1,6 @@
 #pragma once
-// Finds one ball in one camera's image: circle Hough transform, then a sub-pixel fit of the
-// sphere's outline.
+// Finds balls in one camera's image: circle Hough transform, then a sub-pixel fit of the sphere's
+// outline.
 #include <vector>
 
 #include <Eigen/Core>
@@ -76,8 +76,15 @@ class CircleDetector {
   /// Of several circles the one nearest to the expectation is taken.
   Detection detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
                    const Expectation& expected);
+  /// All balls of that size in the image, the nearest to the expectation first, no more than
+  /// `most`. Circles of one outline count once: the one of which more is visible stands for it.
+  std::vector<Detection> detect_all(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
+                                    const Expectation& expected, std::size_t most);
 
  private:
+  /// Smooths the image, then circles by the Hough transform, the nearest to the expectation first.
+  std::vector<cv::Vec3f> circles(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
+                                 const Expectation& expected);
   /// Radial profiles around a circle in the image -> rays through their steepest descent.
   void find_edges(const CameraModel& camera, const Roi& roi, const Eigen::Vector2d& start,
                   double radius);
