@@ -133,8 +133,11 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 Eigen::Vector2d Planner::target(const Input& input, double ahead,
                                 const Eigen::Vector2d& ball) const noexcept {
   if (input.circle) return circle_target(*input.circle, ball);
-  const double elapsed = task_since_ < 0.0 ? 0.0 : input.now - task_since_;
-  return planner::target(parameters_.task, elapsed, ahead, ball);
+  return planner::target(parameters_.task, elapsed(input), ahead, ball);
+}
+
+double Planner::elapsed(const Input& input) const noexcept {
+  return task_since_ < 0.0 ? 0.0 : input.now - task_since_;
 }
 
 void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
@@ -244,8 +247,7 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const Eigen::Vector2d target_now = target(input, 0.0, x_hat.balls[worked].p_WB.head<2>());
   const Eigen::Vector2d e = target_now - x_hat.balls[worked].p_WB.head<2>();
 
-  // what is wanted: the balls at their targets, at rest, and the end effector where the heuristic
-  // draws it
+  // what is wanted: the balls at their targets and the end effector where the heuristic draws it
   const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
   Scene desired{};
   desired.ball_count = x_hat.ball_count;
@@ -273,7 +275,15 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   for (int k = 0; k <= parameters_.N; ++k) {
     for (int i = 0; i < x_hat.ball_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
-      desired.balls[ball].p_WB << target(input, k * parameters_.dt, seen_at[ball]), ball_height;
+      const double ahead = k * parameters_.dt;
+      desired.balls[ball].p_WB << target(input, ahead, seen_at[ball]), ball_height;
+      const Eigen::Vector2d v = input.circle
+                                    ? Eigen::Vector2d(Eigen::Vector2d::Zero())
+                                    : target_velocity(parameters_.task, elapsed(input), ahead);
+      desired.balls[ball].v_WB << v, 0.0;
+      // rolling without slipping
+      desired.balls[ball].omega_WB << -v.y() / parameters_.model.ball_radius,
+          v.x() / parameters_.model.ball_radius, 0.0;
     }
     step_.want(k, desired);
   }

@@ -89,6 +89,7 @@ class Planner {
   double delta_t_c(const Input& input) const noexcept;
   Eigen::Vector2d target(const Input& input, double ahead,
                          const Eigen::Vector2d& ball) const noexcept;
+  double elapsed(const Input& input) const noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;
   bool advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept;
 

@@ -11,13 +11,33 @@ Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& bal
   return task.center + task.radius * Eigen::Vector2d(std::sin(alpha), std::cos(alpha));
 }
 
-Eigen::Vector2d path_point(const PathTask& task, double elapsed) noexcept {
+namespace {
+
+/// Between which two way-points the path is, and how far from the first to the second.
+struct Place {
+  std::size_t from, to;
+  double share;
+};
+
+Place place_at(const PathTask& task, double elapsed) noexcept {
   const double place = std::fmod(std::max(elapsed, 0.0), round_duration(task)) / task.interval;
   const std::size_t count = task.points.size();
-  const std::size_t i = std::min(static_cast<std::size_t>(place), count - 1);
-  if (task.between == Between::kHold) return task.points[i];
-  const double share = place - static_cast<double>(i);
-  return (1.0 - share) * task.points[i] + share * task.points[(i + 1) % count];
+  const std::size_t from = std::min(static_cast<std::size_t>(place), count - 1);
+  return {from, (from + 1) % count, place - static_cast<double>(from)};
+}
+
+}  // namespace
+
+Eigen::Vector2d path_point(const PathTask& task, double elapsed) noexcept {
+  const Place place = place_at(task, elapsed);
+  if (task.between == Between::kHold) return task.points[place.from];
+  return (1.0 - place.share) * task.points[place.from] + place.share * task.points[place.to];
+}
+
+Eigen::Vector2d path_velocity(const PathTask& task, double elapsed) noexcept {
+  if (task.between == Between::kHold) return Eigen::Vector2d::Zero();
+  const Place place = place_at(task, elapsed);
+  return (task.points[place.to] - task.points[place.from]) / task.interval;
 }
 
 double round_duration(const PathTask& task) noexcept {
@@ -35,6 +55,12 @@ Eigen::Vector2d target(const Task& task, double elapsed, double ahead,
     return path_point(*path, elapsed + path->lead + (path->preview ? ahead : 0.0));
   const auto& line = *std::get_if<LineTask>(&task);
   return {line.x, ball.y() + line.step};
+}
+
+Eigen::Vector2d target_velocity(const Task& task, double elapsed, double ahead) noexcept {
+  const auto* path = std::get_if<PathTask>(&task);
+  if (path == nullptr || !path->preview) return Eigen::Vector2d::Zero();
+  return path_velocity(*path, elapsed + path->lead + ahead);
 }
 
 double path_error(const Task& task, double elapsed, const Eigen::Vector2d& ball) noexcept {

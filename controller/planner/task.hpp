@@ -26,7 +26,8 @@ struct PathTask {
   double interval;                      // between way-points [s]
   Between between;
   double lead;   // the planner draws the ball to where it should be this much later [s]
-  bool preview;  // stage k of the horizon has x_d^b(t + lead + k Δt), not that of stage 0
+  bool preview;  // stage k of the horizon has x_d^b(t + lead + k Δt) and its velocity, not x_d^b(t
+                 // + lead) at rest
 };
 
 /// State-based, for several balls: every ball along one line of constant x, a step of y at a time,
@@ -49,6 +50,9 @@ Eigen::Vector2d circle_target(const CircleTask& task, const Eigen::Vector2d& bal
 /// x_d^b(t), in W [m]. @param elapsed t since the task began [s]; before it, the first way-point
 Eigen::Vector2d path_point(const PathTask& task, double elapsed) noexcept;
 
+/// ẋ_d^b(t), in W [m/s]; 0 of held way-points.
+Eigen::Vector2d path_velocity(const PathTask& task, double elapsed) noexcept;
+
 /// How long one round of all way-points takes [s].
 double round_duration(const PathTask& task) noexcept;
 
@@ -59,6 +63,9 @@ bool past_end(const LineTask& task, double y) noexcept;
 /// @param elapsed since the task began [s]  @param ahead of the stage [s]
 Eigen::Vector2d target(const Task& task, double elapsed, double ahead,
                        const Eigen::Vector2d& ball) noexcept;
+
+/// And with which velocity: that of a path that is previewed, else at rest, in W [m/s].
+Eigen::Vector2d target_velocity(const Task& task, double elapsed, double ahead) noexcept;
 
 /// How far the ball is from where it should be [m]: of a state-based task the distance to its line,
 /// of one in time the distance to the point x_d^b(t).

@@ -69,6 +69,19 @@ TEST_CASE("target: a path is looked at a lead ahead, and stage by stage only whe
   CHECK(target(path, 1.0, 0.4, ball) == path_point(kSquare, 1.3));
 }
 
+TEST_CASE("target velocity: of a previewed path that moves, and of nothing else") {
+  CHECK((target_velocity(kSquare, 0.5, 0.3) - Vector2d(0.05, 0.0)).norm() < 1e-12);
+  CHECK((target_velocity(kSquare, 1.9, 0.3) - Vector2d(0.0, 0.05)).norm() < 1e-12);
+  PathTask path = kSquare;
+  path.preview = false;
+  CHECK(target_velocity(path, 0.5, 0.3).isZero());
+  path = kSquare;
+  path.between = Between::kHold;
+  CHECK(target_velocity(path, 0.5, 0.3).isZero());
+  CHECK(target_velocity(kCircle, 0.5, 0.3).isZero());
+  CHECK(target_velocity(kLine, 0.5, 0.3).isZero());
+}
+
 TEST_CASE("target: state-based tasks do not depend on time") {
   const Vector2d ball(0.52, 0.07);
   for (const double t : {0.0, 3.0, 1e4}) {
@@ -86,7 +99,8 @@ TEST_CASE("line: a ball has arrived when it is past the end in the line's direct
   CHECK(past_end(other_way, 0.11));
 }
 
-TEST_CASE("path error: to the line of a state-based task, to the point of the time of one in time") {
+TEST_CASE(
+    "path error: to the line of a state-based task, to the point of the time of one in time") {
   CHECK(path_error(kCircle, 5.0, {0.55, 0.13}) == Approx(0.03));
   CHECK(path_error(kCircle, 5.0, {0.55, 0.0}) == Approx(0.1));
   CHECK(path_error(kLine, 5.0, {0.53, -7.0}) == Approx(0.02));
