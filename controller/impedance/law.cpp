@@ -39,8 +39,10 @@ Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, cons
   Vector6d e_dot = -arm.V_WE;
   e_dot.head<3>() += goal.v_WE;
 
-  const Vector6d wrench =
-      task.Lambda * (gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot));
+  const Vector6d acceleration = gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot);
+  const Vector6d wrench = gains.inertia == Inertia::kFull
+                              ? Vector6d(task.Lambda * acceleration)
+                              : Vector6d(task.Lambda.diagonal().cwiseProduct(acceleration));
   const Vector7d posture =
       gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
   return arm.J_WE.transpose() * wrench + arm.coriolis +

@@ -21,9 +21,18 @@ using model::Matrix7d;
 using model::Vector6d;
 using model::Vector7d;
 
+enum class Inertia {
+  kFull,      // Λ as in (36): free, every coordinate is on its own; blocked in one, the law pushes
+              // sideways: with z held by a ball, f_x = Λ_xz / Λ_zz f_z, 0.4 of it in our posture
+  kDiagonal,  // Λ's diagonal: a blocked coordinate pushes no other, at the price of some coupling
+              // of the free motion; passive as well, as Λ_d K and Λ_d B are
+};
+
 /// K and B of eq. (36). Λ multiplies them, so they are accelerations per error, not N/m: for small
-/// errors the closed loop is ë + B ė + K e = 0 in each coordinate, whatever the arm's posture.
+/// errors and with the full Λ the closed loop is ë + B ė + K e = 0 in each coordinate, whatever the
+/// arm's posture.
 struct Gains {
+  Inertia inertia = Inertia::kFull;
   Vector6d stiffness;           // K, [translation; rotation] [1/s^2]
   Vector6d damping;             // B, [translation; rotation] [1/s]
   double null_space_stiffness;  // K_n [N m/rad]

@@ -162,10 +162,36 @@ TEST_CASE("law: the task's damping never feeds energy into the arm") {
   gains.null_space_stiffness = 0;
   gains.null_space_damping = 0;
   for (int n = 0; n < 200; ++n) {
+    gains.inertia = n % 2 == 0 ? Inertia::kFull : Inertia::kDiagonal;
     const Vector7d q = random.q(), dq = random.noise();
     arm.update(q, dq, state);
     CHECK(damping_power(gains, state, q, dq) < 0.0);
   }
+}
+
+TEST_CASE(
+    "law: an end effector that is held up in z is pushed sideways by the full inertia, not by the "
+    "diagonal") {
+  // the wrench w with tau = J^T w, at rest and without posture: J M^-1 tau = (J M^-1 J^T) w
+  model::Arm arm(model::panda_urdf_path());
+  ArmState state;
+  Gains gains = paper_gains();
+  gains.null_space_stiffness = 0;
+  arm.update(kStart, Vector7d::Zero(), state);
+  Goal goal = goal_at(state.X_WE);
+  goal.p_WE.z() -= 0.001;
+  const auto wrench = [&](Inertia inertia) {
+    gains.inertia = inertia;
+    const Vector7d tau = torque(gains, state, kStart, Vector7d::Zero(), goal);
+    return Vector6d(task_inertia(state).Lambda * state.J_WE * state.M.llt().solve(tau));
+  };
+  const Vector6d diagonal = wrench(Inertia::kDiagonal), full = wrench(Inertia::kFull);
+  CHECK(diagonal.z() < -1.0);
+  Vector6d others = diagonal;
+  others[2] = 0.0;
+  CHECK(others.norm() < 1e-9);
+  CHECK(full.z() == Approx(diagonal.z()));
+  CHECK(full.x() > 0.3 * std::abs(full.z()));  // what pushed the ball away from the robot
 }
 
 TEST_CASE(
