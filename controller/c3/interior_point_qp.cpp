@@ -12,8 +12,9 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kPatience = 5;           // corrections of a guess without fewer of them than before
+constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
 constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
+constexpr double kGrowth = 2.0;        // releases from an end beside those before
 constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
 constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
 constexpr double kTolerance = 1e-10;   // of bounds and of signs of multipliers
@@ -41,6 +42,8 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   const QpRows& rows = model_.rows();
   sides_.clear();
   held_.assign(rows.all(), Held::kNo);
+  guess_ = held_;
+  ends_.assign(rows.all(), End{});
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
     if (row.lower == row.upper) continue;
@@ -149,49 +152,91 @@ bool InteriorPointQp::pull_to_the_end() noexcept {
 /// so on [primal-dual active set]. True once nothing is to be changed. One pull, good to the
 /// springs' stiffness, is enough to correct a guess; one that stands is pulled to the end.
 bool InteriorPointQp::settle() noexcept {
-  int fewest = std::numeric_limits<int>::max();
-  for (int patience = kPatience; patience > 0; --patience) {
+  int fewest = std::numeric_limits<int>::max(), patience = kPatience;
+  bool shrinks = true;
+  corrections_ = 0;
+  std::fill(ends_.begin(), ends_.end(), End{});
+  while (patience > 0) {
     if (!tie() || !pull()) return false;
-    int corrections = correct_guess();
-    if (corrections == 0) {
+    Corrections made = correct_guess();
+    if (made.all() == 0) {
       if (!pull_to_the_end()) return false;
-      corrections = correct_guess();
-      if (corrections == 0) return true;
+      made = correct_guess();
+      if (made.all() == 0) return true;
     }
-    if (corrections >= fewest) continue;
-    fewest = corrections;
-    patience = kPatience;
+    if (shrinks) shrink_runs();
+    // what only lets go comes to an end; what also takes may go in circles
+    if (made.taken > 0 && made.all() >= fewest) {
+      shrinks = false;
+      --patience;
+    } else if (made.all() < fewest) {
+      fewest = made.all();
+      patience = kPatience;
+    }
   }
   return false;
 }
 
-int InteriorPointQp::correct_guess() noexcept {
+/// Where an entry of z is held over too many stages only the end of that run pulls the wrong way,
+/// so that letting go of wrong rows alone shortens it stage by stage, in more corrections the
+/// longer the horizon. Here the run is shortened at once by the length that the pull asks for: it
+/// falls about linearly, by what the correction before has shown [secant].
+void InteriorPointQp::shrink_runs() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    if (held_[i] != Held::kNo || guess_[i] == Held::kNo) continue;
+    for (const int inwards : {1, -1}) {
+      const auto is_held = [&](int row) {
+        return row >= 0 && row < model_.rows().count() && held_[row] == guess_[i];
+      };
+      const int outer = model_.rows().beside(i, -inwards);
+      int inner = model_.rows().beside(i, inwards);
+      if (!is_held(inner) || (outer >= 0 && guess_[outer] == guess_[i])) continue;
+      const double pull = std::abs(multiplier_[i]);
+      double length = 1.0;
+      if (outer >= 0 && ends_[outer].correction == corrections_ - 1) {
+        const double fall = (ends_[outer].pull - pull) / ends_[outer].released;
+        if (fall > 0.0) length = std::min(pull / fall, kGrowth * ends_[outer].released);
+      }
+      int released = 1, last = i;
+      for (; released + 1 <= length && is_held(inner); ++released) {
+        held_[inner] = Held::kNo;
+        last = inner;
+        inner = model_.rows().beside(inner, inwards);
+      }
+      ends_[last] = {corrections_, released, pull};
+    }
+  }
+}
+
+InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
+  guess_ = held_;
+  ++corrections_;
   const int n = model_.rows().count();
   double pull = 0.0;
   for (int i = 0; i < n; ++i) {
     pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
   }
-  int corrections = 0;
+  Corrections made;
   for (int i = 0; i < n; ++i) {
     if (held_[i] == Held::kEquality) continue;
     const double tolerance = kTolerance * pull / std::sqrt(compliance_[i]);
     if ((held_[i] == Held::kLower && multiplier_[i] < -tolerance) ||
         (held_[i] == Held::kUpper && multiplier_[i] > tolerance)) {
       held_[i] = Held::kNo;
-      ++corrections;
+      ++made.released;
     } else if (held_[i] == Held::kNo) {
       const QpRows::Row& row = model_.rows()[i];
       const double value = model_.value()[i];
       if (value < row.lower - slack(value)) {
         held_[i] = Held::kLower;
-        ++corrections;
+        ++made.taken;
       } else if (value > row.upper + slack(value)) {
         held_[i] = Held::kUpper;
-        ++corrections;
+        ++made.taken;
       }
     }
   }
-  return corrections;
+  return made;
 }
 
 /// Mehrotra's predictor-corrector from the point where only equalities are held.

@@ -35,6 +35,18 @@ class InteriorPointQp final : public QpStep {
     double sign, bound;
   };
 
+  /// How many rows of a guess were held anew and let go of.
+  struct Corrections {
+    int taken = 0, released = 0;
+    int all() const noexcept { return taken + released; }
+  };
+  /// Where a run of held rows ended until a correction let go of `released` rows from its end.
+  struct End {
+    int correction = -1;  // the how-many-th
+    int released = 0;
+    double pull = 0.0;  // the wrong way, at the end
+  };
+
   QpStatus iterate() noexcept;
   void release() noexcept;
   bool hold() noexcept;
@@ -42,7 +54,8 @@ class InteriorPointQp final : public QpStep {
   bool pull() noexcept;
   bool pull_to_the_end() noexcept;
   bool settle() noexcept;
-  int correct_guess() noexcept;
+  Corrections correct_guess() noexcept;
+  void shrink_runs() noexcept;
   void enter() noexcept;
   void start_sides() noexcept;
   bool newton_step() noexcept;
@@ -55,9 +68,12 @@ class InteriorPointQp final : public QpStep {
   std::unique_ptr<QpStep> direct_;
   QpModel model_;
   int iterations_ = 0;
-  int n_sides_ = 0;  // with λ_0 fixed some are left out
+  int corrections_ = 0;
+  int n_sides_ = 0;          // with λ_0 fixed some are left out
   std::vector<Side> sides_;  // in the order of the rows
   std::vector<Held> held_;   // per row
+  std::vector<Held> guess_;  // the one before
+  std::vector<End> ends_;    // per row: of the run of held rows that ended here
   // per row: aᵀ H⁻¹ a, weight of aaᵀ, multiplier (positive: at the lower bound), extra gradient
   Eigen::VectorXd compliance_, weight_, multiplier_, extra_;
   // per side

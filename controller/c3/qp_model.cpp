@@ -24,11 +24,13 @@ void QpModel::set_costs(const Costs& costs, const Constraints& constraints) {
   rows_.set(constraints);
   value_.setZero(rows_.all());
   change_.setZero(rows_.all());
+  weight_.setZero(rows_.all());
 }
 
 void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
   cost_.start(W);
   riccati_.start(lcs, lambda_0 != nullptr);
+  factored_ = false;
   rows_.fix_lambda_0(lambda_0 != nullptr);
   lambda_0_ = lambda_0;
 }
@@ -36,7 +38,10 @@ void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noex
 void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
                   const Eigen::Ref<const MatrixXd>& x_desired,
                   const Eigen::Ref<const MatrixXd>& g) noexcept {
-  if (rho != cost_.rho()) cost_.weigh(rho);
+  if (rho != cost_.rho()) {
+    cost_.weigh(rho);
+    factored_ = false;
+  }
   cost_.aim(x_desired, g);
   x0_ = x0;
   z_.setZero();
@@ -46,20 +51,31 @@ void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
 }
 
 bool QpModel::factor(const VectorXd& weight) noexcept {
-  for (int k = 0; k < sizes_.N; ++k) H_[k] = cost_.H()[k];
-  H_N_ = cost_.H_N();
-  for (int i = 0; i < rows_.count(); ++i) {
-    if (weight[i] != 0.0) rows_.add_square(i, weight[i], H_, H_N_);
+  // the recursion runs from the end: what lies behind the last change stands
+  int last = factored_ ? -1 : sizes_.N;
+  for (int i = 0; factored_ && i < rows_.count(); ++i) {
+    if (weight[i] != weight_[i]) last = std::max(last, rows_[i].stage);
   }
-  return riccati_.factor({H_.data(), 1}, H_N_);
+  for (int k = 0; k <= std::min(last, sizes_.N - 1); ++k) H_[k] = cost_.H()[k];
+  if (last == sizes_.N) H_N_ = cost_.H_N();
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (weight[i] != 0.0 && rows_[i].stage <= last) rows_.add_square(i, weight[i], H_, H_N_);
+  }
+  weight_ = weight;
+  factored_ = riccati_.factor({H_.data(), 1}, H_N_, last);
+  return factored_;
 }
 
 void QpModel::measure(VectorXd& compliance) noexcept {
   double largest = 0.0;
   for (int i = 0; i < rows_.count(); ++i) {
     const int k = rows_[i].stage;
-    total_.setZero();
-    total_N_.setZero();
+    // the row's own stage alone: a horizon of zeros for each row would cost N²
+    if (k == sizes_.N) {
+      total_N_.setZero();
+    } else {
+      total_.col(k).setZero();
+    }
     rows_.add(i, 1.0, total_, total_N_);
     compliance[i] =
         k == sizes_.N ? riccati_.compliance(k, total_N_) : riccati_.compliance(k, total_.col(k));

@@ -63,7 +63,8 @@ class QpModel {
   Eigen::MatrixXd H_N_;
   Eigen::MatrixXd z_, gradient_, total_, step_;  // (n_z × N)
   Eigen::VectorXd x0_, x_N_, gradient_N_, total_N_, step_N_;
-  Eigen::VectorXd value_, change_;  // of the rows
+  Eigen::VectorXd value_, change_, weight_;  // of the rows
+  bool factored_ = false;                    // with weight_
 };
 
 }  // namespace c3rt::c3

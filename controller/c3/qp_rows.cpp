@@ -37,6 +37,18 @@ void QpRows::set(const Constraints& c) {
   first_of_lambda_0_ = all();
   add_bounds(0, n_x, c.lambda_min[0], c.lambda_max[0]);
   count_ = all();
+  later_.assign(rows_.size(), -1);
+  earlier_.assign(rows_.size(), -1);
+  for (int i = 0; i < all(); ++i) {
+    for (int j = 0; j < all(); ++j) {
+      if (rows_[i].coordinate < 0 || rows_[j].coordinate != rows_[i].coordinate ||
+          rows_[j].stage != rows_[i].stage + 1) {
+        continue;
+      }
+      later_[i] = j;
+      earlier_[j] = i;
+    }
+  }
 }
 
 void QpRows::add_bounds(int k, int first, const VectorXd& lower, const VectorXd& upper) {

@@ -30,6 +30,9 @@ class QpRows {
   int count() const noexcept { return count_; }
   const Row& operator[](int i) const noexcept { return rows_[i]; }
 
+  /// The row of the same entry of z one stage later (step 1) or earlier (−1), or −1. RT.
+  int beside(int i, int step) const noexcept { return step > 0 ? later_[i] : earlier_[i]; }
+
   /// aᵀ z_k, or aᵀ x_N. RT.
   double value(int i, const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) const noexcept;
   /// Adds c a to what belongs to stage k or x_N. RT.
@@ -44,6 +47,7 @@ class QpRows {
 
   Sizes sizes_;
   std::vector<Row> rows_;
+  std::vector<int> later_, earlier_;
   std::vector<Eigen::VectorXd> normals_;
   int first_of_lambda_0_ = 0, count_ = 0;
 };

@@ -59,10 +59,11 @@ Riccati::Riccati(const Sizes& sizes)
     stage.L.assign(ld_nu * n_nu, 0.0);
     stage.L_inverse.assign(ld_nu, 0.0);
     stage.T.assign(ld_x * n_nu, 0.0);
+    stage.P_next.assign(ld_x * n_x, 0.0);
     stage.kappa.assign(ld_nu, 0.0);
   }
-  P_.assign(ld_x * n_x, 0.0);
-  PA_ = AP_ = P_;
+  PA_.assign(ld_x * n_x, 0.0);
+  AP_ = PA_;
   PB_.assign(ld_x * n_nu, 0.0);
   BP_.assign(ld_nu * n_x, 0.0);
   R_.assign(ld_nu * n_nu, 0.0);
@@ -98,11 +99,15 @@ void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
   }
 }
 
-bool Riccati::factor(StageMatrices H, const MatrixXd& H_N) noexcept {
-  for (int j = 0; j < sizes_.n_x; ++j) {
-    std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P_[j * ld_x_]);
+bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last) noexcept {
+  if (last >= sizes_.N) {
+    last = sizes_.N - 1;
+    std::vector<double>& P = stages_[last].P_next;
+    for (int j = 0; j < sizes_.n_x; ++j) {
+      std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P[j * ld_x_]);
+    }
   }
-  for (int k = sizes_.N - 1; k >= 0; --k) {
+  for (int k = last; k >= 0; --k) {
     if (!factor_inputs(k, H[k])) return false;
     if (k > 0) eliminate_inputs(k, H[k]);
   }
@@ -115,7 +120,7 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
   const kernels::Columns B_hat = system(k).B_hat.columns();
   const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
   std::fill(PB_.begin(), PB_.end(), 0.0);
-  kernels::add_product(n_x, P_.data(), B_hat, begin, n_nu_, PB_.data());
+  kernels::add_product(n_x, stages_[k].P_next.data(), B_hat, begin, n_nu_, PB_.data());
   std::fill(BP_.begin(), BP_.end(), 0.0);
   kernels::transpose(n_x, n, PB_.data(), BP_.data());
   std::fill(R_.begin(), R_.end(), 0.0);
@@ -135,22 +140,23 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
   return false;
 }
 
-/// P ← H_xx + Aᵀ P A − T Tᵀ with T = (L⁻¹ S)ᵀ.
+/// P_k = H_xx + Aᵀ P_{k+1} A − T Tᵀ with T = (L⁻¹ S)ᵀ.
 void Riccati::eliminate_inputs(int k, const MatrixXd& H) noexcept {
   const System& system = this->system(k);
   const int n_x = sizes_.n_x;
   Stage& stage = stages_[k];
+  std::vector<double>& P = stages_[k - 1].P_next;
   std::fill(PA_.begin(), PA_.end(), 0.0);
-  kernels::add_product(n_x, P_.data(), system.A.columns(), 0, n_x, PA_.data());
+  kernels::add_product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
   kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
   for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
   kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, stage.T.data());
   kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
-  for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P_[j * ld_x_]);
-  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P_.data());
-  kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P_.data());
+  for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P[j * ld_x_]);
+  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P.data());
+  kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P.data());
   for (int j = 0; j < n_x; ++j) {
-    for (int i = j + 1; i < n_x; ++i) P_[i * ld_x_ + j] = P_[j * ld_x_ + i];
+    for (int i = j + 1; i < n_x; ++i) P[i * ld_x_ + j] = P[j * ld_x_ + i];
   }
 }
 

@@ -27,8 +27,13 @@ class Riccati {
 
   /// @param H    (n_z × n_z) symmetric
   /// @param H_N  (n_x × n_x) symmetric
+  /// @param last  the last stage whose H differs from that of the factorisation before, whose
+  ///              results behind it are kept; N: all are new
   /// False if the problem is not strictly convex in ν, or beyond double precision. RT.
-  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N) noexcept;
+  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N, int last) noexcept;
+  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N) noexcept {
+    return factor(H, H_N, sizes_.N);
+  }
 
   /// Largest entry of B̂ by size.
   double largest_gain() const noexcept { return largest_gain_; }
@@ -68,6 +73,7 @@ class Riccati {
   struct Stage {
     std::vector<double> L, L_inverse;  // L Lᵀ = R̂ = H_νν + B̂ᵀ P B̂, and 1/L_jj
     std::vector<double> T;             // (L⁻¹ S)ᵀ, S = H_νx + B̂ᵀ P A    (n_x × n_nu)
+    std::vector<double> P_next;        // of the cost-to-go behind this stage    (n_x × n_x)
     std::vector<double> kappa;         // L⁻¹ (gradient of ν)
   };
 
@@ -85,7 +91,7 @@ class Riccati {
   double largest_gain_ = 0.0;
   std::vector<System> systems_;
   std::vector<Stage> stages_;
-  std::vector<double> P_, PA_, AP_, PB_, BP_, R_;
+  std::vector<double> PA_, AP_, PB_, BP_, R_;
   std::vector<double> p_, p_next_, x_, x_next_, nu_;
 };
 

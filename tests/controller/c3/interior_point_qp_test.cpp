@@ -50,7 +50,42 @@ Problem bounded_ball() {
   return p;
 }
 
+/// A mass drawn far beyond a bound of its position: it is held there over most of the horizon, and
+/// where the bound begins and ends to hold has to be found.
+Problem mass_at_a_wall(int N, double step) {
+  const Sizes s{2, 1, 1, N};
+  lcs::Lcs system{MatrixXd::Identity(2, 2), MatrixXd::Zero(2, 1), MatrixXd::Zero(2, 1),
+                  VectorXd::Zero(2), MatrixXd::Zero(1, 2), MatrixXd::Identity(1, 1),
+                  MatrixXd::Zero(1, 1), VectorXd::Zero(1)};
+  system.A(0, 1) = step;
+  system.B(1, 0) = step;
+  Problem p{s, std::vector<lcs::Lcs>(N, system), {}, {}, 1.0, VectorXd::Zero(2), {}, {}};
+  MatrixXd Q = MatrixXd::Zero(2, 2);
+  Q(0, 0) = 10.0;
+  p.costs = {Q, Q, MatrixXd::Constant(1, 1, 0.1), MatrixXd(1e-3 * MatrixXd::Identity(4, 4)), {}};
+  p.x_desired = MatrixXd::Zero(2, N + 1);
+  // rising, then back to zero, as far beyond the wall as it is away
+  for (int k = 0; k <= N; ++k) p.x_desired(0, k) = 2.0 * std::sin(M_PI * k / N);
+  consensus(p, MatrixXd::Zero(4, N));
+  p.constraints.x_max = VectorXd(2);
+  p.constraints.x_max[0] << 1.0, kNone;
+  return p;
+}
+
 }  // namespace
+
+TEST_CASE("interior point: the ends of a long active bound are found in a few corrections") {
+  for (const int N : {20, 40, 80}) {
+    const Problem p = mass_at_a_wall(N, 4.0 / N);
+    const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
+    const Reference expected = reference(p, &answer);
+    CAPTURE(N, answer.report.iterations, expected.active);
+    CHECK(answer.report.status == QpStatus::kSolved);
+    CHECK(error(p, answer, expected) < 1e-9);
+    CHECK(expected.active > N / 6);
+    CHECK(answer.report.iterations <= 10);
+  }
+}
 
 TEST_CASE(
     "interior point: its answer to any constraints solves the KKT system of its own active rows") {

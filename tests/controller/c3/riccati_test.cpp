@@ -100,6 +100,33 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("Riccati: factoring anew up to the last change gives the bits of factoring all") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Problem p = problem(seed);
+    const Sizes& s = p.sizes;
+    support::Random random(seed + 100);
+    const MatrixXd gradient = random.matrix(s.n_z(), s.N);
+    const VectorXd gradient_N = random.vector(s.n_x);
+    for (int last = 0; last < s.N; ++last) {
+      std::vector<MatrixXd> H = hessians(p);
+      Riccati part(s), all(s);
+      part.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+      all.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+      REQUIRE(part.factor({H.data(), 1}, p.costs.Q_N));
+      for (int k = 0; k <= last; ++k) H[k].diagonal().array() += 1.0;
+      REQUIRE(part.factor({H.data(), 1}, p.costs.Q_N, last));
+      REQUIRE(all.factor({H.data(), 1}, p.costs.Q_N));
+      MatrixXd step(s.n_z(), s.N), expected(s.n_z(), s.N);
+      VectorXd step_N(s.n_x), expected_N(s.n_x);
+      part.step(gradient, gradient_N, step, step_N);
+      all.step(gradient, gradient_N, expected, expected_N);
+      CAPTURE(seed, last);
+      CHECK(step == expected);
+      CHECK(step_N == expected_N);
+    }
+  }
+}
+
 TEST_CASE("Riccati: the roll-out is the system, step by step") {
   const Problem p = problem(4);
   Riccati riccati(p.sizes);
