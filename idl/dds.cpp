@@ -234,14 +234,14 @@ void Bus::newest_written(Sequences& newest_seq) const noexcept {
   for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i) newest_seq[i] = implementation_->written[i].load();
 }
 
-WriterBase::WriterBase(Bus& bus, const Topic& topic)
+WriterBase::WriterBase(Bus& bus, const Topic& topic, std::optional<Process> addressee)
     : bus_(bus),
       topic_(topic),
       topic_entity_(created(
           dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
           std::string("topic ") + topic.name)),
       writer_(created(dds_create_writer(bus.participant(), topic_entity_.handle(),
-                                        writer_qos(topic, bus.clock()).get(), nullptr),
+                                        writer_qos(topic, bus.clock(), addressee).get(), nullptr),
                       std::string("the writer of ") + topic.name)) {
   bus.implementation_->add({&topic_, writer_.handle(), true});
 }
@@ -315,7 +315,8 @@ int ReaderBase::queue_depth(const Bus& bus, const Topic& topic, int depth) {
   return lockstep ? std::max(depth, kLockstepDepth) : std::max(depth, 1);
 }
 
-ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes)
+ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
+                       std::optional<Process> addressee)
     : bus_(bus), topic_(topic), implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
   const int kept = queue_depth(bus, topic, depth);
@@ -326,9 +327,10 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes)
   self.topic =
       created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
               "topic " + name);
-  self.reader = created(dds_create_reader(bus.participant(), self.topic.handle(),
-                                          reader_qos(topic, bus.clock(), kept).get(), nullptr),
-                        "the reader of " + name);
+  self.reader =
+      created(dds_create_reader(bus.participant(), self.topic.handle(),
+                                reader_qos(topic, bus.clock(), kept, addressee).get(), nullptr),
+              "the reader of " + name);
   self.condition = created(dds_create_readcondition(self.reader.handle(), DDS_ANY_STATE),
                            "the read condition of " + name);
   if (wakes == Wakes::kBus) {

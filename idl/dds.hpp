@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -108,7 +109,7 @@ class WriterBase {
   int matched_readers() const;  // 0: nobody listens
 
  protected:
-  WriterBase(Bus& bus, const Topic& topic);
+  WriterBase(Bus& bus, const Topic& topic, std::optional<Process> addressee);
   ~WriterBase();
   bool write_sample(Header& header, const void* sample, std::int64_t time_ns) noexcept;
 
@@ -124,7 +125,9 @@ class WriterBase {
 template <typename T>
 class Writer : public WriterBase {
  public:
-  explicit Writer(Bus& bus) : WriterBase(bus, topic<T>()) {}
+  /// @param addressee of an addressed topic; nothing: all
+  explicit Writer(Bus& bus, std::optional<Process> addressee = {})
+      : WriterBase(bus, topic<T>(), addressee) {}
   /// @param time_ns when the sample takes effect (in lockstep: simulated, with the scenario's
   /// delays)
   /// @return false if the sample was not sent (readers too slow for longer than the QoS allows);
@@ -165,7 +168,8 @@ class ReaderBase {
 
  protected:
   /// @param depth samples kept until taken: the history of the DDS reader and of the queue here
-  ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes);
+  ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
+             std::optional<Process> addressee);
   virtual ~ReaderBase();
 
   virtual void* sample_at(int slot) noexcept = 0;
@@ -198,8 +202,10 @@ class ReaderBase {
 template <typename T>
 class Reader : public ReaderBase {
  public:
-  explicit Reader(Bus& bus, int depth = 64, Wakes wakes = Wakes::kBus)
-      : ReaderBase(bus, topic<T>(), depth, wakes),
+  /// @param addressee of an addressed topic; nothing: all
+  explicit Reader(Bus& bus, int depth = 64, Wakes wakes = Wakes::kBus,
+                  std::optional<Process> addressee = {})
+      : ReaderBase(bus, topic<T>(), depth, wakes, addressee),
         slots_(queue_depth(bus, topic<T>(), depth) + 1) {}
   ~Reader() override = default;
 

@@ -16,6 +16,7 @@ namespace {
 constexpr std::int64_t kSlice_ns = 50'000'000;
 constexpr std::int64_t kJoinAgain_ns = 200'000'000;
 constexpr int kNoTickFactor = 6;
+constexpr int kTickDepth = 64;
 constexpr std::int64_t kJoining = -1;  // time of a Done that answers no tick
 
 void merge(Sequences& newest, const Sequences& other) {
@@ -36,7 +37,8 @@ struct Loop::Implementation {
   Implementation(Bus& b, const Settings& s)
       : bus(b), settings(s), shutdown(b, s.process), clock(s.period_ns) {
     if (bus.clock() == ClockMode::kRealtime) return;
-    ticks = std::make_unique<Reader<Tick>>(bus);
+    // nothing but a tick wakes this process: samples wait in their readers until they are promised
+    ticks = std::make_unique<Reader<Tick>>(bus, kTickDepth, Wakes::kItself, settings.process);
     dones = std::make_unique<Writer<Done>>(bus);
     bus.hold_until_promised();
     next_due_ns = settings.phase_ns;
@@ -88,7 +90,7 @@ struct Loop::Implementation {
         answer();
         answered_ns = real_ns;
       }
-      bus.wait_for_data(kSlice_ns);
+      ticks->wait(kSlice_ns);
     }
     return false;
   }
@@ -144,8 +146,7 @@ struct LockstepMaster::Implementation {
       : bus(b),
         answer_timeout_ns(answer_timeout),
         shutdown(b, c3rt_v1_PROCESS_PLANT),
-        dones(b),
-        ticks(b) {
+        dones(b, kTickDepth, Wakes::kItself) {
     bus.hold_until_promised();
   }
 
@@ -185,7 +186,7 @@ struct LockstepMaster::Implementation {
   std::int64_t answer_timeout_ns;
   ShutdownListener shutdown;
   Reader<Done> dones;
-  Writer<Tick> ticks;
+  std::map<Process, Writer<Tick>> ticks;  // one for each participant
   std::map<Process, Participant> participants;
   Sequences newest{};
   std::string failure;
@@ -195,7 +196,10 @@ LockstepMaster::LockstepMaster(Bus& bus, const std::vector<Process>& expected,
                                std::int64_t timeout_ns, std::int64_t answer_timeout_ns)
     : implementation_(std::make_unique<Implementation>(bus, answer_timeout_ns)) {
   Implementation& self = *implementation_;
-  for (const Process process : expected) self.participants[process] = {};
+  for (const Process process : expected) {
+    self.participants[process] = {};
+    self.ticks.try_emplace(process, bus, process);
+  }
   const auto absent = [](const Implementation::Participant& participant) {
     return !participant.joined;
   };
@@ -208,7 +212,7 @@ LockstepMaster::LockstepMaster(Bus& bus, const std::vector<Process>& expected,
     if (left_ns <= 0)
       throw WireError("did not join the lockstep run within " + seconds(timeout_ns) + ": " +
                       missing);
-    bus.wait_for_data(std::min(left_ns, kSlice_ns));
+    self.dones.wait(std::min(left_ns, kSlice_ns));
   }
 }
 
@@ -226,8 +230,9 @@ bool LockstepMaster::advance(std::int64_t now_ns) {
   }
   // nobody acts: nobody needs to know
   if (tick.due == 0) return true;
-  if (!self.ticks.write(tick, now_ns)) {
-    self.failure = "could not send the tick of " + seconds(now_ns);
+  for (auto& [process, ticks] : self.ticks) {
+    if ((tick.due & bit(process)) == 0 || ticks.write(tick, now_ns)) continue;
+    self.failure = "could not send the tick of " + seconds(now_ns) + " to " + process_name(process);
     return false;
   }
   const auto silent = [](const Implementation::Participant& participant) {
@@ -252,7 +257,7 @@ bool LockstepMaster::advance(std::int64_t now_ns) {
                      seconds(self.answer_timeout_ns);
       return false;
     }
-    self.bus.wait_for_data(kSlice_ns);
+    self.dones.wait(kSlice_ns);
   }
   // what was written in answer is the plant's input of the next step
   std::string topic;

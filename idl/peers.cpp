@@ -118,6 +118,7 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
       }
       return;
     }
+    if (!same_addressee(qos.get(), peer.qos)) return;
     const auto partners = matched(endpoint);
     if (std::find(partners.begin(), partners.end(), peer_handle) != partners.end()) return;
     const std::pair key(endpoint.handle, peer_handle);

@@ -1,12 +1,18 @@
 #include "idl/qos.hpp"
 
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string>
+
 namespace c3rt::wire {
 
 namespace {
 
 // a reliable write waits this long for slow readers before it fails
 constexpr dds_duration_t kMaxBlockingRealtime = DDS_MSECS(10);
-// longer than the lease of a participant (10 s): a suspended client holds up a run, and loses it nothing
+// longer than the lease of a participant (10 s): a suspended client holds up a run, and loses it
+// nothing
 constexpr dds_duration_t kMaxBlockingLockstep = DDS_SECS(30);
 constexpr dds_duration_t kPlanLease = DDS_SECS(1);
 constexpr dds_duration_t kStatusLease = DDS_SECS(1);
@@ -19,6 +25,39 @@ QosPointer new_qos() {
   // a writer that ends leaves its last samples to the readers
   dds_qset_writer_data_lifecycle(qos.get(), false);
   return qos;
+}
+
+using Names = std::array<const char*, kProcessCount>;
+
+Names all_processes() {
+  Names names{};
+  for (int i = 0; i < kProcessCount; ++i)
+    names[static_cast<std::size_t>(i)] = process_name(static_cast<Process>(i));
+  return names;
+}
+
+// a partition for each process
+void set_addressee(dds_qos_t* qos, const Topic& topic, std::optional<Process> addressee) {
+  if (!topic.addressed) return;
+  Names names = all_processes();
+  if (addressee) {
+    dds_qset_partition1(qos, process_name(*addressee));
+  } else {
+    dds_qset_partition(qos, kProcessCount, names.data());
+  }
+}
+
+std::set<std::string> addressees(const dds_qos_t* qos) {
+  std::uint32_t count = 0;
+  char** names = nullptr;
+  std::set<std::string> result;
+  if (!dds_qget_partition(qos, &count, &names)) return result;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    result.insert(names[i]);
+    dds_free(names[i]);
+  }
+  dds_free(names);
+  return result;
 }
 
 void set_history(dds_qos_t* qos, int depth) { dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth); }
@@ -69,8 +108,9 @@ std::string duration(const char* what, dds_duration_t value) {
 
 }  // namespace
 
-QosPointer writer_qos(const Topic& topic, ClockMode clock) {
+QosPointer writer_qos(const Topic& topic, ClockMode clock, std::optional<Process> addressee) {
   QosPointer qos = new_qos();
+  set_addressee(qos.get(), topic, addressee);
   const dds_duration_t blocking =
       clock == ClockMode::kLockstep ? kMaxBlockingLockstep : kMaxBlockingRealtime;
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, blocking);
@@ -108,8 +148,10 @@ QosPointer writer_qos(const Topic& topic, ClockMode clock) {
   return qos;
 }
 
-QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth) {
+QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth,
+                      std::optional<Process> addressee) {
   QosPointer qos = new_qos();
+  set_addressee(qos.get(), topic, addressee);
   const bool lockstep = in_lockstep(topic, clock);
   const bool best_effort = topic.qos == Qos::kStream && !lockstep;
   dds_qset_reliability(qos.get(),
@@ -123,6 +165,13 @@ QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth) {
     dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));
   }
   return qos;
+}
+
+bool same_addressee(const dds_qos_t* one, const dds_qos_t* other) {
+  const std::set<std::string> a = addressees(one), b = addressees(other);
+  return (a.empty() && b.empty()) || std::any_of(a.begin(), a.end(), [&](const std::string& name) {
+           return b.count(name) > 0;
+         });
 }
 
 bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement& difference) {

@@ -2,6 +2,7 @@
 // Quality of service of every topic: the numbers behind wire::Qos, and what two endpoints disagree
 // on.
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <dds/dds.h>
@@ -18,8 +19,10 @@ using QosPointer = std::unique_ptr<dds_qos_t, QosDeleter>;
 /// Samples that a reader or writer keeps in lockstep, where none may be lost.
 constexpr int kLockstepDepth = 256;
 
-QosPointer writer_qos(const Topic& topic, ClockMode clock);
-QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth);
+/// @param addressee of an addressed topic; nothing: all
+QosPointer writer_qos(const Topic& topic, ClockMode clock, std::optional<Process> addressee);
+QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth,
+                      std::optional<Process> addressee);
 
 /// Why a writer that offers one cannot serve a reader that requests the other; empty if it can.
 /// "requests RELIABLE", "offers BEST_EFFORT" come as the two halves of a sentence.
@@ -28,5 +31,8 @@ struct Disagreement {
   std::string requested;
 };
 bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement& difference);
+
+/// False where the samples of one are addressed to other processes than the other's.
+bool same_addressee(const dds_qos_t* one, const dds_qos_t* other);
 
 }  // namespace c3rt::wire

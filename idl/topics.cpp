@@ -40,7 +40,7 @@ constexpr Topic kBallEstimate{"ball/estimate", &c3rt_v1_BallEstimate_desc, Qos::
 constexpr Topic kTaskTarget{"task/target", &c3rt_v1_TaskTarget_desc, Qos::kEvent, Stream::kNone,
                             0.0};
 constexpr Topic kScene{"sim/scene", &c3rt_v1_Scene_desc, Qos::kStream, Stream::kScene, 0.0};
-constexpr Topic kTick{"sim/tick", &c3rt_v1_Tick_desc, Qos::kSync, Stream::kNone, 0.0};
+constexpr Topic kTick{"sim/tick", &c3rt_v1_Tick_desc, Qos::kSync, Stream::kNone, 0.0, true};
 constexpr Topic kDone{"sim/done", &c3rt_v1_Done_desc, Qos::kSync, Stream::kNone, 0.0};
 constexpr Topic kServiceStatus{"service/status", &c3rt_v1_ServiceStatus_desc, Qos::kStatus,
                                Stream::kNone, 0.0};

@@ -57,6 +57,9 @@ struct Topic {
   Qos qos;
   Stream stream;
   double deadline_s;  // 0: none. Requested and offered where the topic is periodic (realtime only).
+  /// Each sample is for one process: writers and readers may name it, and then it costs nobody else
+  /// anything. Who names no process writes to and reads of all.
+  bool addressed = false;
 };
 
 template <typename T>

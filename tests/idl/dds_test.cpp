@@ -493,6 +493,39 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("Writer: what is addressed to one process reaches it and who reads all, nobody else") {
+  Bus plant(test::settings(ClockMode::kLockstep, 1)), planner(test::settings(ClockMode::kLockstep)),
+      vision(test::settings(ClockMode::kLockstep)), client(test::settings());
+  Writer<Tick> to_planner(plant, c3rt_v1_PROCESS_PLANNER), to_vision(plant, c3rt_v1_PROCESS_VISION);
+  Reader<Tick> at_planner(planner, 64, Wakes::kBus, c3rt_v1_PROCESS_PLANNER),
+      at_vision(vision, 64, Wakes::kBus, c3rt_v1_PROCESS_VISION), at_client(client);
+  REQUIRE(eventually(
+      [&] { return to_planner.matched_readers() == 2 && to_vision.matched_readers() == 2; }));
+  Tick tick{};
+  REQUIRE(to_planner.write(tick, 1 * kMs));
+  REQUIRE(to_vision.write(tick, 2 * kMs));
+  REQUIRE(to_planner.write(tick, 3 * kMs));
+  const auto times = [](Reader<Tick>& reader, std::size_t count) {
+    std::vector<std::int64_t> seen;
+    Tick taken{};
+    (void)eventually([&] {
+      while (reader.take(taken)) seen.push_back(taken.header.time_ns / kMs);
+      return seen.size() >= count;
+    });
+    std::sort(seen.begin(), seen.end());
+    return seen;
+  };
+  CHECK(times(at_client, 3) == std::vector<std::int64_t>{1, 2, 3});
+  CHECK(times(at_planner, 2) == std::vector<std::int64_t>{1, 3});
+  CHECK(times(at_vision, 1) == std::vector<std::int64_t>{2});
+  // that the others do not meet is no problem between them
+  for (const Bus* bus : {&plant, &planner, &client}) (void)bus->problems();
+  usleep(2'200'000);  // longer than a match may take
+  CHECK(plant.problems().empty());
+  CHECK(planner.problems().empty());
+  CHECK(client.problems().empty());
+}
+
 TEST_CASE("Bus: every profile that is shipped opens a bus") {
   std::uint32_t domain = 102;  // a profile is read when a domain is opened first
   for (const char* name : {"loopback", "lan"}) {
