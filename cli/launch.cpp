@@ -47,8 +47,12 @@ Launch::Launch(const LaunchSettings& settings)
       scenario_(config::load_scenario(file_.string(), settings.overrides)),
       out_(
           fs::absolute(settings.out.empty() ? new_folder(scenario_.name) : fs::path(settings.out))),
-      bus_(bus_settings(settings)),
-      lock_(runtime_directory(), settings.domain, instance(settings, scenario_.name, bus_, out_)) {
+      bus_(bus_settings(settings)) {
+  const Instance self = instance(settings, scenario_.name, bus_, out_);
+  lock_ = settings.any_domain
+              ? lock_any_domain(runtime_directory(), self)
+              : std::make_unique<DomainLock>(runtime_directory(), settings.domain, self);
+  bus_.domain = lock_->domain();
   for (const char* name : kProcesses) {
     const fs::path program = process_directory() / (std::string("c3rt-") + name);
     if (access(program.c_str(), X_OK) != 0)

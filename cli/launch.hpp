@@ -2,6 +2,7 @@
 // What `c3rt run` and `c3rt up` share: the scenario, the lock, the folder, the four processes.
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct LaunchSettings {
   std::vector<std::string> overrides;  // "planner.rate_hz=75"
   std::string out;                     // empty: out/SCENARIO-DATE
   std::uint32_t domain = 0;
+  bool any_domain = false;            // the first free one, instead of `domain`
+  bool pictures = true, logs = true;  // of c3rt run
   std::string dds_profile = "loopback";
 
   const char* clock_name() const { return lockstep ? "lockstep" : "realtime"; }
@@ -46,7 +49,7 @@ class Launch {
   const config::Scenario& scenario() const { return scenario_; }
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
-  DomainLock& lock() { return lock_; }
+  DomainLock& lock() { return *lock_; }
 
  private:
   LaunchSettings settings_;
@@ -54,7 +57,7 @@ class Launch {
   config::Scenario scenario_;
   std::filesystem::path out_;
   wire::BusSettings bus_;
-  DomainLock lock_;
+  std::unique_ptr<DomainLock> lock_;
 };
 
 /// "planner was killed by signal 11 (Segmentation fault)", with the end of its log below.

@@ -40,8 +40,8 @@ struct LaunchOptions {
         ->take_all();
     command.add_option("--out", settings.out,
                        "Folder of logs and results; default: out/SCENARIO-DATE");
-    command.add_option("--domain", settings.domain, "DDS domain")
-        ->check(CLI::Range(0, 230))
+    command.add_option("--domain", domain_, "DDS domain, 0 to 230, or any: the first that is free")
+        ->check(CLI::Range(0, 230) | CLI::IsMember({"any"}))
         ->capture_default_str();
     command
         .add_option("--dds", settings.dds_profile, "DDS profile: a name of config/dds or a path")
@@ -51,9 +51,20 @@ struct LaunchOptions {
   LaunchSettings read(const std::string& verb) {
     settings.verb = verb;
     settings.lockstep = clock_ == "lockstep";
+    settings.any_domain = domain_ == "any";
+    if (settings.any_domain && verb != "run")
+      throw UsageError("--domain any: only for c3rt run; a service is found by its number");
+    settings.domain = settings.any_domain ? 0 : static_cast<std::uint32_t>(std::stoul(domain_));
     if (duration_s > 0.0)
       settings.overrides.push_back(fmt::format("task.duration_s={}", duration_s));
     return settings;
+  }
+
+  /// Of c3rt run alone.
+  void add_results_to(CLI::App& command) {
+    command.add_flag("!--no-pictures", settings.pictures, "Draws nothing");
+    command.add_flag("!--no-logs", settings.logs,
+                     "Keeps no samples (log/TOPIC.csv): the report alone");
   }
 
   /// The same for a numerical example, if the scenario is one.
@@ -61,7 +72,7 @@ struct LaunchOptions {
   std::optional<ExampleSettings> read_example() const {
     const std::filesystem::path file = scenario_path(settings.scenario);
     if (!is_example(file)) return std::nullopt;
-    for (const char* option : {"--clock", "--domain", "--dds"}) {
+    for (const char* option : {"--clock", "--domain", "--dds", "--no-pictures", "--no-logs"}) {
       if (command_->count(option) > 0) {
         throw UsageError(
             fmt::format("{}: {} is a numerical example: it runs in this process, in its own time, "
@@ -81,7 +92,7 @@ struct LaunchOptions {
                                    settings.scenario,
                                    "--clock=" + clock_,
                                    "--seed=" + std::to_string(settings.seed),
-                                   "--domain=" + std::to_string(settings.domain),
+                                   "--domain=" + domain_,
                                    "--dds=" + settings.dds_profile};
     if (!settings.out.empty()) words.push_back("--out=" + settings.out);
     for (const std::string& assignment : settings.overrides) words.push_back("--set=" + assignment);
@@ -90,7 +101,7 @@ struct LaunchOptions {
 
  private:
   CLI::App* command_ = nullptr;
-  std::string clock_ = "realtime";
+  std::string clock_ = "realtime", domain_ = "0";
 };
 
 }  // namespace c3rt::cli

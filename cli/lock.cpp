@@ -4,9 +4,12 @@
 #include <cstring>
 #include <fstream>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/file.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "cli/paths.hpp"
@@ -37,11 +40,27 @@ std::optional<Instance> read(const std::filesystem::path& file) {
   return instance;
 }
 
+constexpr std::uint32_t kFirstAny = 101, kLastAny = 230;
+
+/// Nobody on this host listens where the first participant of the domain would: also those that
+/// know nothing of our locks. (DDSI-RTPS 9.6.1.1: port = 7400 + 250 domain + 10 + 2 index)
+bool silent(std::uint32_t domain) {
+  const int socket_handle = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_handle < 0) return true;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  address.sin_port = htons(static_cast<std::uint16_t>(7410 + 250 * domain));
+  const bool free = bind(socket_handle, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  close(socket_handle);
+  return free;
+}
+
 }  // namespace
 
 DomainLock::DomainLock(const std::filesystem::path& directory, std::uint32_t domain,
                        const Instance& self)
-    : file_(-1), self_(self) {
+    : domain_(domain), file_(-1), self_(self) {
   const std::filesystem::path path = lock_file(directory, domain);
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0)
@@ -53,7 +72,7 @@ DomainLock::DomainLock(const std::filesystem::path& directory, std::uint32_t dom
       who = "c3rt " + other->verb + " " + other->scenario + " (pid " + std::to_string(other->pid) +
             ", since " + other->started + ") holds it";
     }
-    throw UsageError("DDS domain " + std::to_string(domain) + " is busy: " + who +
+    throw DomainBusy("DDS domain " + std::to_string(domain) + " is busy: " + who +
                      "; end it with \"c3rt down --domain " + std::to_string(domain) +
                      "\" or choose another --domain");
   }
@@ -75,6 +94,19 @@ void DomainLock::write() const {
   const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
                                                        static_cast<ssize_t>(text.size());
   if (!written) throw UsageError(std::string("cannot write the lock: ") + std::strerror(errno));
+}
+
+std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directory,
+                                            const Instance& self) {
+  for (std::uint32_t domain = kFirstAny; domain <= kLastAny; ++domain) {
+    try {
+      auto lock = std::make_unique<DomainLock>(directory, domain, self);
+      if (silent(domain)) return lock;
+    } catch (const DomainBusy&) {
+    }
+  }
+  throw UsageError("the DDS domains " + std::to_string(kFirstAny) + " to " +
+                   std::to_string(kLastAny) + " are all busy");
 }
 
 std::optional<Instance> holder(const std::filesystem::path& directory, std::uint32_t domain) {

@@ -3,10 +3,13 @@
 // of who holds it.
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include <sys/types.h>
+
+#include "cli/paths.hpp"
 
 namespace c3rt::cli {
 
@@ -23,22 +26,37 @@ struct Instance {
   std::string ended;    // how the last one ended; empty while it runs
 };
 
+/// Somebody else holds the domain.
+class DomainBusy : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
 class DomainLock {
  public:
-  /// @throws UsageError "domain 0 is busy: …" that names the holder; it is not waited for
+  /// @throws DomainBusy "domain 0 is busy: …" that names the holder; it is not waited for
   DomainLock(const std::filesystem::path& directory, std::uint32_t domain, const Instance& self);
   ~DomainLock();
   DomainLock(const DomainLock&) = delete;
   DomainLock& operator=(const DomainLock&) = delete;
+
+  std::uint32_t domain() const { return domain_; }
 
   /// Leaves a word for `c3rt status` after this instance.
   void set_ended(const std::string& how);
 
  private:
   void write() const;
+  std::uint32_t domain_;
   int file_;
   Instance self_;
 };
+
+/// The first free one of the domains that are kept for this (101 … 230), without a race between
+/// programs that look for one at the same time.
+/// @throws UsageError if all are busy
+std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directory,
+                                            const Instance& self);
 
 /// The instance that holds the domain now.
 std::optional<Instance> holder(const std::filesystem::path& directory, std::uint32_t domain);

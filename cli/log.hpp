@@ -97,8 +97,10 @@ class CsvVisitor {
 template <typename T>
 class TopicLog {
  public:
+  /// @param directory empty: the hash alone
   /// @throws std::runtime_error if the file cannot be written
   explicit TopicLog(const std::filesystem::path& directory) {
+    if (directory.empty()) return;
     std::string name = wire::topic<T>().name;
     for (char& c : name) c = c == '/' ? '_' : c;
     const std::filesystem::path path = directory / (name + ".csv");
@@ -109,10 +111,12 @@ class TopicLog {
   void add(const T& sample) {
     hash_.header(sample.header);
     visit_fields(sample, hash_);
-    write(sample, false);
+    if (file_) write(sample, false);
   }
   std::uint64_t hash() const { return hash_.value(); }
-  void flush() { std::fflush(file_.get()); }
+  void flush() {
+    if (file_) std::fflush(file_.get());
+  }
 
  private:
   struct Close {

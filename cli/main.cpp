@@ -91,13 +91,14 @@ class CommandLine {
   }
 
   void add_running() {
-    launch_.add_to(*command(app_, "run",
-                            "One run from start to report: exits with the criteria's verdict",
-                            [this] {
-                              if (const auto example = launch_.read_example())
-                                return cli::run_example(*example, &wire::StopFlag::requested);
-                              return cli::run(launch_.read("run"));
-                            }));
+    CLI::App* run = command(
+        app_, "run", "One run from start to report: exits with the criteria's verdict", [this] {
+          if (const auto example = launch_.read_example())
+            return cli::run_example(*example, &wire::StopFlag::requested);
+          return cli::run(launch_.read("run"));
+        });
+    launch_.add_to(*run);
+    launch_.add_results_to(*run);
     up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
       const cli::LaunchSettings settings = up_.read("up");
       return cli::up(settings, up_.words());
@@ -223,9 +224,9 @@ class CommandLine {
   }
 
   void add_reproduce() {
-    CLI::App* reproduce =
-        command(app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
-                [this] { return cli::reproduce::reproduce(reproduce_, &wire::StopFlag::requested); });
+    CLI::App* reproduce = command(
+        app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
+        [this] { return cli::reproduce::reproduce(reproduce_, &wire::StopFlag::requested); });
     reproduce->add_option("what", reproduce_.what, "Which table or figure")
         ->required()
         ->check(CLI::IsMember(cli::reproduce::names()));
@@ -247,9 +248,11 @@ class CommandLine {
   }
 
   void add_library() {
-    CLI::App* solve = command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
-                              [this] { return cli::solve(problem_, out_); });
-    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")->required();
+    CLI::App* solve =
+        command(app_, "solve", "One call of C3 on a problem file (schema c3-problem-1)",
+                [this] { return cli::solve(problem_, out_); });
+    solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")
+        ->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
     add_bench();
   }
@@ -262,8 +265,9 @@ class CommandLine {
         ->capture_default_str();
     bench->add_option("--filter", bench_.filter,
                       "Regular expression of the benchmarks to run: solve/1_ball");
-    bench->add_option("--repetitions", bench_.repetitions,
-                      "Times each; the table then has mean and median")
+    bench
+        ->add_option("--repetitions", bench_.repetitions,
+                     "Times each; the table then has mean and median")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     bench->add_option("--json", bench_.json, "File of the results, beside the table");

@@ -114,8 +114,8 @@ struct Recorder::Topics {
 
 Recorder::Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory,
                    const Goal& goal)
-    : settings_(bus), directory_(directory / "log"), goal_(goal) {
-  std::filesystem::create_directories(directory_);
+    : settings_(bus), directory_(directory), goal_(goal) {
+  if (!directory_.empty()) std::filesystem::create_directories(directory_);
   thread_ = std::thread([this] { run(); });
 }
 

@@ -46,7 +46,8 @@ double wall_time();
 class Recorder {
  public:
   /// In lockstep the recorder is a process of its own in the plant's time and misses nothing; in
-  /// realtime it reads along. Starts a thread; the log files are in directory/log.
+  /// realtime it reads along. Starts a thread.
+  /// @param directory of the log files, made here; empty: none
   Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal);
   ~Recorder();  // stop()
   Recorder(const Recorder&) = delete;

@@ -107,7 +107,7 @@ int run(const LaunchSettings& settings) {
                               ? static_cast<int>(scenario.plant.world.balls.size())
                               : scenario.task.loops;
   Supervisor supervisor;
-  Recorder recorder(launch.bus(), launch.out(),
+  Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
                     {task, scenario.task.loops, scenario.task.duration_s});
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
@@ -142,13 +142,16 @@ int run(const LaunchSettings& settings) {
   }
   launch.lock().set_ended(report.result);
   write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
-  const std::string missing =
-      draw_pictures(launch.out(), recorder.series(), task, report.figures,
-                    fmt::format("{} ({})", scenario.name, settings.clock_name()));
+  std::string missing;
+  if (settings.pictures) {
+    missing = draw_pictures(launch.out(), recorder.series(), task, report.figures,
+                            fmt::format("{} ({})", scenario.name, settings.clock_name()));
+  }
 
   fmt::print("\n{}", summary(report));
   if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
-  fmt::print("  {:<22}{}\n", "report and pictures", launch.out().string());
+  fmt::print("  {:<22}{}\n", settings.pictures ? "report and pictures" : "report",
+             launch.out().string());
   std::fflush(stdout);
   if (!ending.failed.empty()) {
     fmt::print(stderr, "c3rt: error: {}\n", ending.details);

@@ -3,7 +3,10 @@
 #include <csignal>
 #include <optional>
 
+#include <arpa/inet.h>
 #include <catch2/catch.hpp>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -63,4 +66,25 @@ TEST_CASE("the lock of a killed instance is free again, and its last word stays"
   waitpid(pid, nullptr, 0);
   REQUIRE_FALSE(holder(folder, 1).has_value());
   REQUIRE(last_instance(folder, 1)->ended == "planner crashed");
+}
+
+TEST_CASE("any domain is one that nobody holds and nobody listens on, another one each time") {
+  const Folder temporary;
+  const auto& folder = temporary.path();
+  const auto first = lock_any_domain(folder, someone());
+  const auto second = lock_any_domain(folder, someone());
+  CHECK(first->domain() != second->domain());
+  CHECK(holder(folder, first->domain()).has_value());
+
+  // somebody whose locks are elsewhere listens where the first participant would
+  const std::uint32_t heard = second->domain() + 1;
+  const int other = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(7410 + 250 * heard));
+  // taken already by a run on this machine: as good
+  (void)bind(other, reinterpret_cast<sockaddr*>(&address), sizeof address);
+  CHECK(lock_any_domain(folder, someone())->domain() > heard);
+  close(other);
 }
