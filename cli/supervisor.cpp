@@ -1,5 +1,6 @@
 #include "cli/supervisor.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -87,9 +88,23 @@ bool Supervisor::reap(Child& child) {
 
 std::optional<ChildExit> Supervisor::poll() {
   for (Child& child : children_) {
-    if (reap(child)) return ChildExit{child.spec.name, describe_exit(child.status), child.spec.log};
+    if (reap(child)) return exit_of(child);
   }
   return std::nullopt;
+}
+
+std::optional<ChildExit> Supervisor::take_ended() {
+  const auto ended = std::find_if(children_.begin(), children_.end(),
+                                  [this](Child& child) { return reap(child); });
+  if (ended == children_.end()) return std::nullopt;
+  const ChildExit result = exit_of(*ended);
+  kill(-ended->pid, SIGKILL);  // what it started itself must not outlive it
+  children_.erase(ended);
+  return result;
+}
+
+ChildExit Supervisor::exit_of(const Child& child) {
+  return {child.spec.name, describe_exit(child.status), child.spec.log, child.status};
 }
 
 std::vector<std::string> Supervisor::stop(double grace_s) {

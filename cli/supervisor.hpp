@@ -20,6 +20,7 @@ struct ChildExit {
   std::string name;
   std::string reason;  // "exited with status 2", "was killed by signal 11 (Segmentation fault)"
   std::filesystem::path log;
+  int status = 0;  // of waitpid
 };
 
 /// The children of one run. Each is the leader of its own process group, so that Ctrl-C on the
@@ -38,6 +39,9 @@ class Supervisor {
   /// The first child that has ended by itself; nothing while all run. Reaps what ended.
   std::optional<ChildExit> poll();
 
+  /// The same, and forgets the child: for children that are meant to end by themselves.
+  std::optional<ChildExit> take_ended();
+
   /// SIGTERM to every child's group, then SIGKILL to those that are left after the grace.
   /// @return the names of those that had to be killed
   std::vector<std::string> stop(double grace_s = 5.0);
@@ -53,6 +57,7 @@ class Supervisor {
     int status;  // of waitpid
   };
   bool reap(Child& child);
+  static ChildExit exit_of(const Child& child);
   std::vector<Child> children_;
 };
 
