@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "cli/bench.hpp"
+#include "cli/campaign/options.hpp"
 #include "cli/client.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/paths.hpp"
@@ -36,6 +37,7 @@ constexpr const char* kExamples =
     "  c3rt run cart_pole --set c3.projection=miqp    a numerical example of the paper\n"
     "  c3rt up circle_fast; c3rt status; c3rt target hold; c3rt down\n"
     "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
+    "  c3rt campaign circle_fast --seeds 1..20        success rate and percentiles over the seeds\n"
     "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
     "  c3rt bench c3 --filter solve/1_ball            how fast it is on this machine\n"
     "  c3rt reproduce table3                          our numbers beside the paper's\n"
@@ -70,6 +72,7 @@ class CommandLine {
     add_targets();
     add_tools();
     add_library();
+    add_campaign();
     add_reproduce();
   }
 
@@ -223,6 +226,13 @@ class CommandLine {
     }
   }
 
+  void add_campaign() {
+    cli::campaign::add_options(
+        *command(app_, "campaign", "Many seeds of one scenario in lockstep, one table",
+                 [this] { return cli::campaign::run(campaign_, &wire::StopFlag::requested); }),
+        campaign_);
+  }
+
   void add_reproduce() {
     CLI::App* reproduce = command(
         app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
@@ -276,6 +286,7 @@ class CommandLine {
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
   cli::LaunchOptions launch_, up_, serve_;
+  cli::campaign::Settings campaign_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
   std::string topic_;

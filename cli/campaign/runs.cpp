@@ -160,6 +160,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
       check(file, overrides, example);
     Plan plan;
     plan.result.spec = spec;
+    plan.result.spec.example = example;
     plan.result.folder = fs::absolute(settings.folder) / spec.name;
     plan.key = {{"scenario", text->second}, {"overrides", overrides},    {"seed", spec.seed},
                 {"logs", spec.logs},        {"pictures", spec.pictures}, {"programs", program}};
@@ -203,8 +204,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
 }
 
 std::string replay_command(const RunSpec& spec) {
-  const bool example = is_example(scenario_path(spec.scenario));
-  std::string text = "c3rt run " + spec.scenario + (example ? "" : " --clock lockstep") +
+  std::string text = "c3rt run " + spec.scenario + (spec.example ? "" : " --clock lockstep") +
                      fmt::format(" --seed {}", spec.seed);
   if (spec.duration) text += fmt::format(" --duration {}", *spec.duration);
   for (const std::string& assignment : spec.overrides) {

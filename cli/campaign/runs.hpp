@@ -25,6 +25,7 @@ struct RunSpec {
   std::optional<double> duration = {};      // [s]; nothing: the scenario's
   bool logs = false;                        // log/TOPIC.csv, too
   bool pictures = false;
+  bool example = false;  // a numerical example; run_all fills it in
 };
 
 struct RunResult {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "cli/report/gnuplot.hpp"
+#include "cli/report/path_plots.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -44,18 +45,6 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
     box.extend(p_WB);
   }
   return rows.empty() ? "NaN NaN\n" : rows;
-}
-
-/// Points a millimetre or two apart along the desired path: discs about them make its band.
-std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) {
-  constexpr double kSpacing = 0.002;  // [m]
-  std::vector<Eigen::Vector2d> points;
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Eigen::Vector2d way = corners[i + 1] - corners[i];
-    const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / kSpacing)));
-    for (int part = 0; part <= parts; ++part) points.push_back(corners[i] + way * part / parts);
-  }
-  return points;
 }
 
 std::string path_script(const std::filesystem::path& file, const Series& series,

@@ -12,18 +12,12 @@
 namespace c3rt::cli::reproduce {
 namespace {
 
-constexpr double kQuickDuration = 0.3;  // [s]
+constexpr double kQuickDuration = 0.3, kQuickRun = 6.0;  // of an example, of a run [s]
 
 std::string read_text(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
-}
-
-/// Columns on a terminal: bytes that begin a UTF-8 letter.
-std::size_t width(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 }  // namespace
@@ -66,42 +60,44 @@ ordered_json Context::part(const std::string& name, const std::string& scenario,
   return value;
 }
 
+std::vector<campaign::RunResult> Context::runs(std::vector<campaign::RunSpec> specs) const {
+  for (campaign::RunSpec& spec : specs) {
+    spec.name = settings_.what + "-" + spec.name;
+    if (settings_.quick) spec.duration = kQuickRun;
+  }
+  campaign::RunSettings how;
+  how.folder = out_ / "runs";
+  how.fresh = settings_.fresh;
+  how.title = settings_.what;
+  how.stop = stop_;
+  std::vector<campaign::RunResult> results = campaign::run_all(specs, how);
+  if (results.size() < specs.size()) throw Interrupted{};
+  for (const campaign::RunResult& result : results) {
+    if (result.kept)
+      fmt::print(stderr, "{}: kept from an earlier run ({})\n", result.spec.name,
+                 result.folder.string());
+    if (result.report.is_null()) throw std::runtime_error(result.failure);
+  }
+  return results;
+}
+
 void Context::finish(const ordered_json& results, const std::string& title,
                      const std::vector<Panel>& panels) const {
-  const std::filesystem::path json = out_ / (settings_.what + ".json"),
-                              picture = out_ / (settings_.what + ".png");
+  finish(results, draw_panels(picture(), title, panels));
+}
+
+void Context::finish(const ordered_json& results, const std::string& missing) const {
+  const std::filesystem::path json = out_ / (settings_.what + ".json");
   write_text(json, results.dump(1) + "\n");
-  const std::string missing = draw_panels(picture, title, panels);
   if (missing.empty()) {
-    fmt::print("\n{}\n{}\n", json.string(), picture.string());
+    fmt::print("\n{}\n{}\n", json.string(), picture().string());
   } else {
     fmt::print("\n{}\n", json.string());
     fmt::print(stderr, "c3rt: {}\n", missing);
   }
 }
 
-void print_table(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    if (row.size() < 2) continue;
-    widths.resize(std::max(widths.size(), row.size()), 0);
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
-  }
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::size_t missing =
-          row.size() < 2 ? 0 : widths[i] - std::min(widths[i], width(row[i]));
-      const std::string space(missing, ' ');
-      line += i == 0 ? row[i] + space : "  " + space + row[i];
-    }
-    fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
-  }
-}
-
-std::string shown(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "-";
-}
+void print_table(const Rows& rows) { fmt::print("{}", text_table(rows)); }
 
 std::string shown(const ordered_json& value, double factor, int digits) {
   return value.is_number() ? shown(value.get<double>() * factor, digits) : "-";

@@ -7,9 +7,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/campaign/runs.hpp"
 #include "cli/example/scenario.hpp"
 #include "cli/report/json.hpp"
 #include "cli/report/panels.hpp"
+#include "cli/report/text_table.hpp"
 #include "cli/reproduce/reproduce.hpp"
 
 namespace c3rt::cli::reproduce {
@@ -38,7 +40,18 @@ class Context {
                     const Overrides& overrides, const ordered_json& inputs,
                     const std::function<ordered_json()>& compute) const;
 
-  /// Writes WHAT.json and WHAT.png and says where they are.
+  /// Runs of the four processes in lockstep, several at once, each in runs/WHAT-NAME; those of an
+  /// earlier call with the same scenario, settings and programs are kept. Short where a quick look
+  /// is wanted.
+  /// @throws std::runtime_error where a process failed
+  std::vector<campaign::RunResult> runs(std::vector<campaign::RunSpec> specs) const;
+
+  /// Where finish() expects the picture.
+  std::filesystem::path picture() const { return out_ / (settings_.what + ".png"); }
+  /// Writes WHAT.json and says where it and the picture are.
+  /// @param missing what drawing the picture returned
+  void finish(const ordered_json& results, const std::string& missing) const;
+  /// The same with a picture of panels.
   void finish(const ordered_json& results, const std::string& title,
               const std::vector<Panel>& panels) const;
 
@@ -49,11 +62,10 @@ class Context {
   std::filesystem::path out_;
 };
 
-/// Prints a table: the first column left, the others right; a row of one cell is a heading.
-void print_table(const std::vector<std::vector<std::string>>& rows);
+void print_table(const Rows& rows);
 
 /// Of at most this many digits, "-" where there is none.
-std::string shown(double value, int digits = 4);
+using cli::shown;
 std::string shown(const ordered_json& value, double factor = 1.0, int digits = 4);
 
 Eigen::VectorXd to_vector(const ordered_json& list);
@@ -66,5 +78,8 @@ void fig3(const Context& context);
 void fig5(const Context& context);
 void fig7(const Context& context);
 void fig8(const Context& context);
+void fig11(const Context& context);
+void fig14(const Context& context);
+void fig17(const Context& context);
 
 }  // namespace c3rt::cli::reproduce

@@ -12,8 +12,8 @@ namespace c3rt::cli::reproduce {
 namespace {
 
 const std::map<std::string, void (*)(const Context&)> kTargets{
-    {"fig3", fig3},     {"fig5", fig5},     {"fig7", fig7},    {"fig8", fig8},
-    {"table1", table1}, {"table2", table2}, {"table3", table3}};
+    {"fig11", fig11}, {"fig14", fig14}, {"fig17", fig17},   {"fig3", fig3},     {"fig5", fig5},
+    {"fig7", fig7},   {"fig8", fig8},   {"table1", table1}, {"table2", table2}, {"table3", table3}};
 
 }  // namespace
 

@@ -1,0 +1,139 @@
+#include "cli/campaign/dask.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/exit_status.hpp"
+#include "cli/paths.hpp"
+#include "cli/supervisor.hpp"
+
+namespace c3rt::cli::campaign {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr auto kLook = std::chrono::milliseconds(200);
+constexpr double kGrace = 30.0;  // the runs on the workers end first [s]
+constexpr const char* kPrograms[] = {"c3rt", "c3rt-plant", "c3rt-impedance", "c3rt-planner",
+                                     "c3rt-vision"};
+
+fs::path bridge() {
+  const fs::path here = binary_directory();
+  for (const fs::path& candidate :
+       {here / "../share/c3rt/dask_runs.py", here / "../../../cli/campaign/dask_runs.py"}) {
+    if (fs::is_regular_file(candidate)) return fs::weakly_canonical(candidate);
+  }
+  throw UsageError("dask_runs.py is not beside this program's other files");
+}
+
+/// A Python that has Dask: C3RT_PYTHON, that of the PATH, or Debian's.
+std::string python() {
+  const char* chosen = std::getenv("C3RT_PYTHON");
+  std::vector<std::string> candidates{"python3", "/usr/bin/python3"};
+  if (chosen != nullptr) candidates = {chosen};
+  for (const std::string& candidate : candidates) {
+    const std::string test = "'" + candidate + "' -c 'import distributed' >/dev/null 2>&1";
+    if (std::system(test.c_str()) == 0) return candidate;
+  }
+  std::string names;
+  for (const std::string& candidate : candidates) names += (names.empty() ? "" : ", ") + candidate;
+  throw UsageError("--engine dask: no Python with the package distributed (looked at: " + names +
+                   "); install it (Debian: python3-distributed; pip: distributed) or name a Python "
+                   "that has it in C3RT_PYTHON");
+}
+
+/// The full path of a program of the PATH, for exec.
+std::string found(const std::string& program) {
+  if (program.find('/') != std::string::npos) return program;
+  std::string path = std::getenv("PATH") != nullptr ? std::getenv("PATH") : "/usr/bin:/bin";
+  for (std::size_t from = 0; from <= path.size();) {
+    const std::size_t colon = std::min(path.find(':', from), path.size());
+    const fs::path candidate = fs::path(path.substr(from, colon - from)) / program;
+    if (access(candidate.c_str(), X_OK) == 0) return candidate.string();
+    from = colon + 1;
+  }
+  return program;
+}
+
+std::string sha256(const fs::path& file) {
+  const std::string command = "sha256sum '" + file.string() + "'";
+  FILE* pipe = popen(command.c_str(), "r");
+  char text[65] = "";
+  const std::size_t count = pipe != nullptr ? std::fread(text, 1, 64, pipe) : 0;
+  if (pipe == nullptr || pclose(pipe) != 0 || count != 64)
+    throw UsageError("--engine dask: cannot hash " + file.string());
+  return text;
+}
+
+json order(const std::vector<Job>& jobs, const std::string& address, int at_once) {
+  json programs = json::object();
+  for (const char* name : kPrograms) programs[name] = sha256(binary_directory() / name);
+  json list = json::array();
+  for (const Job& job : jobs)
+    list.push_back({{"words", job.words}, {"folder", job.folder.string()}});
+  return {{"program", (binary_directory() / "c3rt").string()},
+          {"programs_sha256", programs},
+          {"address", address},
+          {"at_once", at_once},
+          {"jobs", list}};
+}
+
+/// What a finished job left; nothing if it has not finished.
+std::optional<JobEnd> end_of(const std::vector<Job>& jobs, std::size_t index) {
+  std::ifstream stream(jobs[index].folder / "end.json");
+  if (!stream) return std::nullopt;
+  const json end = json::parse(stream, nullptr, false);
+  if (!end.is_object()) return std::nullopt;
+  return JobEnd{index, end.at("status"), end.at("failure"), end.at("wall_s")};
+}
+
+}  // namespace
+
+void run_on_dask(const std::vector<Job>& jobs, const std::string& address, int at_once,
+                 const Watch& watch) {
+  const std::string interpreter = found(python());
+  const fs::path folder = jobs.front().folder.parent_path();
+  for (const Job& job : jobs) fs::remove(job.folder / "end.json");
+  write_text(folder / "dask.json", order(jobs, address, at_once).dump(1) + "\n");
+  Supervisor supervisor;
+  supervisor.start({"dask",
+                    {interpreter, bridge().string(), (folder / "dask.json").string()},
+                    folder / "dask.log"});
+  std::vector<std::size_t> waiting(jobs.size());
+  for (std::size_t i = 0; i < waiting.size(); ++i) waiting[i] = i;
+  std::optional<ChildExit> gone;
+  while (!waiting.empty() && !watch.stop()) {
+    // what it left before it ended still counts
+    gone = supervisor.poll();
+    const auto first_left = std::remove_if(waiting.begin(), waiting.end(), [&](std::size_t index) {
+      const auto end = end_of(jobs, index);
+      if (end) watch.ended(*end);
+      return end.has_value();
+    });
+    waiting.erase(first_left, waiting.end());
+    if (gone) break;
+    watch.look(std::min(at_once, static_cast<int>(waiting.size())));
+    std::this_thread::sleep_for(kLook);
+  }
+  supervisor.stop(kGrace);
+  if (!gone || waiting.empty()) return;
+  const std::string text = tail(folder / "dask.log", 15);
+  if (WIFEXITED(gone->status) && WEXITSTATUS(gone->status) == kUsage)
+    throw UsageError("--engine dask: " + text);
+  for (const std::size_t index : waiting) {
+    watch.ended({index, kProcessFailed,
+                 jobs[index].name + ": Dask's bridge " + gone->reason + "; the end of its log (" +
+                     (folder / "dask.log").string() + "):\n" + text,
+                 0.0});
+  }
+}
+
+}  // namespace c3rt::cli::campaign

@@ -1,0 +1,46 @@
+#pragma once
+// The options of c3rt campaign.
+#include <CLI/CLI.hpp>
+
+#include "cli/campaign/campaign.hpp"
+
+namespace c3rt::cli::campaign {
+
+inline void add_options(CLI::App& command, Settings& settings) {
+  command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
+      ->required();
+  command.add_option("--seeds", settings.seeds, "Numbers and ranges: 1..50, or 1,5,9..12")
+      ->capture_default_str();
+  command
+      .add_option("--set", settings.overrides,
+                  "Overrides one key of the scenario: section.key=value")
+      ->expected(1)
+      ->take_all();
+  command
+      .add_option("--duration", settings.duration,
+                  "Ends each run after this long [s]; default: the scenario's")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--jobs,-j", settings.at_once, "Runs at once; default: one for each core")
+      ->check(CLI::Range(1, 130));
+  command.add_option("--out", settings.out, "Folder of results; default: out/campaign-SCENARIO");
+  command.add_flag("--fresh", settings.fresh,
+                   "Makes every run anew; else those of an earlier call with the same scenario, "
+                   "settings and programs are kept");
+  command.add_flag("--logs", settings.logs, "Keeps the samples of each run (0.7 MB a second)");
+  command.add_flag("--pictures", settings.pictures, "Draws the pictures of each run");
+  command
+      .add_option("--engine", settings.engine,
+                  "local, or dask: workers on this or on other machines")
+      ->check(CLI::IsMember({"local", "dask"}))
+      ->capture_default_str();
+  command.add_option("--address", settings.address,
+                     "Of Dask's scheduler, tcp://host:port; default: workers on this machine");
+  command.footer(
+      "Examples:\n"
+      "  c3rt campaign circle_fast --seeds 1..20\n"
+      "  c3rt campaign circle_fast --seeds 1..20 --set planner.c3.projection=plus --out out/plus\n"
+      "  c3rt campaign circle_vision --seeds 1..200 --engine dask --address tcp://10.0.0.1:8786\n"
+      "Exit status: 0 every run met its criteria, 1 some did not, 2 usage, 3 a process failed.");
+}
+
+}  // namespace c3rt::cli::campaign

@@ -1,0 +1,40 @@
+#pragma once
+// What the figures of section VII share: a run's ball and end effector from its logs.
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cli/campaign/runs.hpp"
+#include "cli/report/path_plots.hpp"
+#include "cli/reproduce/context.hpp"
+
+namespace c3rt::cli::reproduce {
+
+/// The true positions of a ball from the begin of the task: the state that the first plan of phase
+/// roll or return was made from.
+struct BallTrack {
+  std::vector<double> time;               // since the begin of the task [s]
+  std::vector<Eigen::Vector2d> position;  // x and y in W [m]
+};
+/// @throws std::runtime_error if the run has no logs or never began its task
+BallTrack ball_track(const campaign::RunResult& run, int ball = 0);
+
+/// The end effector and where the plan wanted it, for each command that tracks one.
+struct EndEffectorTrack {
+  std::vector<double> time;               // since the begin of the task [s]
+  std::vector<Eigen::Vector3d> position;  // in W [m]
+  std::vector<Eigen::Vector3d> desired;
+};
+EndEffectorTrack end_effector_track(const campaign::RunResult& run);
+
+/// A run's path beside that of its scenario, for a picture.
+PathPlot path_plot(const std::string& title, const campaign::RunResult& run);
+
+/// Of a report by path: figure(report, "judged.in_band_2cm"); NaN where it is not.
+double figure(const ordered_json& report, const std::string& path);
+
+/// "19.1, 19.6, 19.0"
+std::string loop_times(const ordered_json& report);
+
+}  // namespace c3rt::cli::reproduce
