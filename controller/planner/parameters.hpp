@@ -1,6 +1,7 @@
 #pragma once
 // Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in
 // load_parameters.cpp.
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -41,6 +42,9 @@ struct HeuristicParameters {
   double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
   double return_back;      // Phase II: how far behind the ball, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
+  // Beyond Figure 10: Phase I ends early where the ball, once touched, has run away by this gap,
+  // over which no force acts [m]
+  double return_gap = std::numeric_limits<double>::infinity();
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.

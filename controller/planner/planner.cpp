@@ -82,7 +82,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   periods_[static_cast<std::size_t>(period_count_++)] = period;
 
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
-  phase_ = phase_at(parameters_.heuristic, in_c3 && c3_since_ >= 0.0 ? input.now - c3_since_ : 0.0);
+  advance_phase(input, in_c3 && c3_since_ >= 0.0);
   const Situation known = situation(input);
 
   const Mode previous = mode_;
@@ -128,6 +128,24 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   plan_.mode = mode_;
   plan_.ball = ball_;
   return plan_;
+}
+
+// The clock of the heuristic, put back where the ball runs away.
+void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
+  phase_ = phase_at(parameters_.heuristic, in_c3 ? input.now - c3_since_ : 0.0);
+  if (!in_c3 || phase_ != Phase::kRoll) {
+    touched_ = false;
+    return;
+  }
+  const Scene scene = estimate(input);
+  const double distance = (scene.balls[static_cast<std::size_t>(ball_)].p_WB - scene.p_WE).norm();
+  const double gap =
+      distance - parameters_.model.ball_radius - parameters_.model.end_effector_radius;
+  touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
+  if (touched_ && gap > parameters_.heuristic.return_gap) {
+    c3_since_ = input.now;
+    phase_ = Phase::kReturnUp;
+  }
 }
 
 Eigen::Vector2d Planner::target(const Input& input, double ahead,

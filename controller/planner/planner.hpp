@@ -85,6 +85,7 @@ class Planner {
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
   /// x̂: the balls at the time of the arm's state, out of the end effector.
+  void advance_phase(const Input& input, bool in_c3) noexcept;
   Scene estimate(const Input& input) const noexcept;
   double delta_t_c(const Input& input) const noexcept;
   Eigen::Vector2d target(const Input& input, double ahead,
@@ -103,6 +104,7 @@ class Planner {
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();  // of approach and hold
   Eigen::Vector3d reference_velocity_ = Eigen::Vector3d::Zero();
   bool descending_ = false;  // the last part of the approach
+  bool touched_ = false;     // in this Phase I
   double previous_now_ = -1.0, settled_since_ = -1.0, c3_since_ = -1.0;
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;

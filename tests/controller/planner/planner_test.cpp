@@ -118,6 +118,31 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "planner: where the ball runs away Phase II begins at once, but not before it was touched") {
+  Parameters p = parameters();
+  p.heuristic.return_gap = 0.005;
+  Planner planner(p);
+  double now = 0.0;
+  const double touching = p.model.ball_radius + p.model.end_effector_radius;
+  // the end effector straight above the ball with a gap between them
+  const auto mode_with_gap = [&](double gap) {
+    const Vector3d p_WE = kBall + Vector3d(0.0, 0.0, touching + gap);
+    now += 1.0 / p.rate;
+    return planner.step(input_at(now, p_WE)).mode;
+  };
+  const double start_gap = p.approach.start_height - touching;
+  while (mode_with_gap(start_gap) != Mode::kRoll) REQUIRE(now < 10.0);
+  for (int i = 0; i < 10; ++i) CHECK(mode_with_gap(0.010) == Mode::kRoll);
+  CHECK(mode_with_gap(0.001) == Mode::kRoll);
+  CHECK(mode_with_gap(0.004) == Mode::kRoll);
+  CHECK(mode_with_gap(0.006) == Mode::kReturn);
+  // and takes its full time
+  const double since = now;
+  while (mode_with_gap(0.010) == Mode::kReturn) REQUIRE(now < since + 1.0);
+  CHECK(now - since == Approx(p.heuristic.return_duration).margin(1.5 / p.rate));
+}
+
+TEST_CASE(
     "planner: a lost ball makes it hold out of the way, and a ball that is back is approached "
     "again") {
   const Parameters p = parameters();
