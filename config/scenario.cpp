@@ -73,6 +73,7 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
         {"path_error_p95_m", "path_error_p95_m"},
         {"path_error_max_m", "path_error_max_m"},
         {"tracking_error_p95_m", "tracking_error_p95_m"},
+        {"tracking_error_max_m", "tracking_error_max_m"},
         {"vision_error_p95_m", "vision_error_p95_m"}};
     criterion.name = section.choice<const char*>("name", names);
     if (section.has("min")) criterion.min = section.number("min", {-1e9, 1e9});

@@ -170,6 +170,7 @@ void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
     if (name == "path_error_p95_m") return figures.judged.p95_error;
     if (name == "path_error_max_m") return figures.judged.max_error;
     if (name == "tracking_error_p95_m") return figures.tracking_error.p95;
+    if (name == "tracking_error_max_m") return figures.tracking_error.max;
     if (name == "vision_error_p95_m") return figures.vision_error.p95;
     return kNone;
   };

@@ -28,6 +28,26 @@ TaskInertia task_inertia(const ArmState& arm) noexcept {
   return result;
 }
 
+namespace {
+
+Matrix6d weight(Inertia inertia, const Matrix6d& Lambda) noexcept {
+  if (inertia == Inertia::kDiagonal) return Lambda.diagonal().asDiagonal();
+  return inertia == Inertia::kUncoupled ? uncoupled(Lambda) : Lambda;
+}
+
+}  // namespace
+
+Matrix6d uncoupled(const Matrix6d& Lambda) noexcept {
+  Eigen::Matrix3d Lambda_v =
+      Lambda.topLeftCorner<3, 3>() -
+      Lambda.topRightCorner<3, 3>() * Lambda.bottomRightCorner<3, 3>().llt().solve(
+                                          Eigen::Matrix3d(Lambda.bottomLeftCorner<3, 3>()));
+  Lambda_v.diagonal().setZero();
+  Matrix6d result = Lambda;
+  result.topLeftCorner<3, 3>() -= 0.5 * (Lambda_v + Lambda_v.transpose());
+  return result;
+}
+
 Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept {
   return -J_WE.topRows<3>().transpose() * force_E;
 }
@@ -40,9 +60,7 @@ Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, cons
   e_dot.head<3>() += goal.v_WE;
 
   const Vector6d acceleration = gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot);
-  const Vector6d wrench = gains.inertia == Inertia::kFull
-                              ? Vector6d(task.Lambda * acceleration)
-                              : Vector6d(task.Lambda.diagonal().cwiseProduct(acceleration));
+  const Vector6d wrench = weight(gains.inertia, task.Lambda) * acceleration;
   const Vector7d posture =
       gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
   return arm.J_WE.transpose() * wrench + arm.coriolis +

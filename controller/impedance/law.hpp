@@ -25,8 +25,15 @@ enum class Inertia {
   kFull,      // Λ as in (36): free, every coordinate is on its own; blocked in one, the law pushes
               // sideways: with z held by a ball, f_x = Λ_xz / Λ_zz f_z, 0.4 of it in our posture
   kDiagonal,  // Λ's diagonal: a blocked coordinate pushes no other, at the price of some coupling
-              // of the free motion; passive as well, as Λ_d K and Λ_d B are
+              // of the free motion; passive as well, as Λ_d K and Λ_d B are. Its gains are up to
+              // 20 times Λ's (x against pitch), so they have to stay low
+  kUncoupled,  // Λ without what couples x, y and z once the rotation has given way: as `kDiagonal`
+               // for what is blocked, gains at most three times Λ's
 };
+
+/// Λ with the off-diagonal elements of its Schur complement Λ_v = Λ_tt − Λ_tr Λ_rr⁻¹ Λ_rt, the
+/// inertia of the point alone, taken out: symmetric, positive definite. RT: no heap, no throw.
+Matrix6d uncoupled(const Matrix6d& Lambda) noexcept;
 
 /// K and B of eq. (36). Λ multiplies them, so they are accelerations per error, not N/m: for small
 /// errors and with the full Λ the closed loop is ë + B ė + K e = 0 in each coordinate, whatever the

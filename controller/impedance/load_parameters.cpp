@@ -10,8 +10,9 @@ constexpr config::Range kAngle{-2 * M_PI, 2 * M_PI};
 
 Gains load_gains(config::Section section) {
   Gains gains;
-  gains.inertia = section.choice<Inertia>(
-      "inertia", {{"full", Inertia::kFull}, {"diagonal", Inertia::kDiagonal}});
+  gains.inertia = section.choice<Inertia>("inertia", {{"full", Inertia::kFull},
+                                                      {"diagonal", Inertia::kDiagonal},
+                                                      {"uncoupled", Inertia::kUncoupled}});
   gains.stiffness.head<3>().setConstant(section.number("stiffness_translation_per_s2", {0, 5000}));
   gains.stiffness.tail<3>().setConstant(section.number("stiffness_rotation_per_s2", {0, 5000}));
   gains.damping.head<3>().setConstant(section.number("damping_translation_per_s", {0, 500}));

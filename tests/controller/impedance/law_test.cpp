@@ -1,5 +1,6 @@
 #include "controller/impedance/law.hpp"
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -162,7 +163,8 @@ TEST_CASE("law: the task's damping never feeds energy into the arm") {
   gains.null_space_stiffness = 0;
   gains.null_space_damping = 0;
   for (int n = 0; n < 200; ++n) {
-    gains.inertia = n % 2 == 0 ? Inertia::kFull : Inertia::kDiagonal;
+    gains.inertia = std::array{Inertia::kFull, Inertia::kDiagonal,
+                               Inertia::kUncoupled}[static_cast<std::size_t>(n % 3)];
     const Vector7d q = random.q(), dq = random.noise();
     arm.update(q, dq, state);
     CHECK(damping_power(gains, state, q, dq) < 0.0);
@@ -192,6 +194,30 @@ TEST_CASE(
   CHECK(others.norm() < 1e-9);
   CHECK(full.z() == Approx(diagonal.z()));
   CHECK(full.x() > 0.3 * std::abs(full.z()));  // what pushed the ball away from the robot
+}
+
+TEST_CASE("law: with the uncoupled inertia a blocked end effector is pushed only back") {
+  model::Arm arm(model::panda_urdf_path());
+  ArmState state;
+  arm.update(kStart, Vector7d::Zero(), state);
+  const Matrix6d Lambda = task_inertia(state).Lambda, W = uncoupled(Lambda);
+  CHECK((W - W.transpose()).norm() < 1e-12);
+  CHECK(Eigen::LLT<Matrix6d>(W).info() == Eigen::Success);
+  // z is held 1 mm off and the rotation has settled where it feels no moment: the rotational part
+  // of the acceleration a asked for is such that (W a)_r = 0
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector6d a = Vector6d::Zero();
+    a[axis] = 1.0;
+    a.tail<3>() = -W.bottomRightCorner<3, 3>().inverse() * W.bottomLeftCorner<3, 3>() * a.head<3>();
+    Vector6d wrench = W * a;
+    CHECK(wrench[axis] > 0.0);
+    wrench[axis] = 0.0;
+    CHECK(wrench.norm() < 1e-9);
+  }
+  // and no direction is stiffened by more than three
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> gain(W, Lambda);
+  CHECK(gain.eigenvalues().maxCoeff() < 3.0);
+  CHECK(gain.eigenvalues().minCoeff() > 0.5);
 }
 
 TEST_CASE(
