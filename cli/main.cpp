@@ -245,6 +245,8 @@ class CommandLine {
     reproduce->add_flag("--fresh", reproduce_.fresh,
                         "Computes everything anew; else what an earlier call finished with the "
                         "same settings is kept");
+    reproduce->add_option("--seeds", reproduce_.seeds, "Of the comparison: 1..20, or 1,5,9..12")
+        ->capture_default_str();
     reproduce
         ->add_option("--miqp-limit", reproduce_.miqp_limit,
                      "Time limit of each monolithic MIQP [s]")
@@ -254,7 +256,8 @@ class CommandLine {
         "Examples:\n"
         "  c3rt reproduce table3                       the projections on the cart-pole, seconds\n"
         "  c3rt reproduce table1 --miqp-limit 60       with an hour's patience for the MIQP\n"
-        "  c3rt reproduce fig5 --out out/figures");
+        "  c3rt reproduce fig5 --out out/figures\n"
+        "  c3rt reproduce comparison --seeds 1..20     every projection on the same circle");
   }
 
   void add_library() {

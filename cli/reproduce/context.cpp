@@ -87,14 +87,18 @@ void Context::finish(const ordered_json& results, const std::string& title,
 }
 
 void Context::finish(const ordered_json& results, const std::string& missing) const {
-  const std::filesystem::path json = out_ / (settings_.what + ".json");
-  write_text(json, results.dump(1) + "\n");
+  finish(results);
   if (missing.empty()) {
-    fmt::print("\n{}\n{}\n", json.string(), picture().string());
+    fmt::print("{}\n", picture().string());
   } else {
-    fmt::print("\n{}\n", json.string());
     fmt::print(stderr, "c3rt: {}\n", missing);
   }
+}
+
+void Context::finish(const ordered_json& results) const {
+  const std::filesystem::path json = out_ / (settings_.what + ".json");
+  write_text(json, results.dump(1) + "\n");
+  fmt::print("\n{}\n", json.string());
 }
 
 void print_table(const Rows& rows) { fmt::print("{}", text_table(rows)); }

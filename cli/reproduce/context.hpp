@@ -51,6 +51,8 @@ class Context {
   /// Writes WHAT.json and says where it and the picture are.
   /// @param missing what drawing the picture returned
   void finish(const ordered_json& results, const std::string& missing) const;
+  /// The same of results that have no picture.
+  void finish(const ordered_json& results) const;
   /// The same with a picture of panels.
   void finish(const ordered_json& results, const std::string& title,
               const std::vector<Panel>& panels) const;
@@ -71,6 +73,7 @@ std::string shown(const ordered_json& value, double factor = 1.0, int digits = 4
 Eigen::VectorXd to_vector(const ordered_json& list);
 
 // the targets
+void comparison(const Context& context);
 void table1(const Context& context);
 void table2(const Context& context);
 void table3(const Context& context);

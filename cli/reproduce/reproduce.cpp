@@ -11,9 +11,17 @@
 namespace c3rt::cli::reproduce {
 namespace {
 
-const std::map<std::string, void (*)(const Context&)> kTargets{
-    {"fig11", fig11}, {"fig14", fig14}, {"fig17", fig17},   {"fig3", fig3},     {"fig5", fig5},
-    {"fig7", fig7},   {"fig8", fig8},   {"table1", table1}, {"table2", table2}, {"table3", table3}};
+const std::map<std::string, void (*)(const Context&)> kTargets{{"comparison", comparison},
+                                                               {"fig11", fig11},
+                                                               {"fig14", fig14},
+                                                               {"fig17", fig17},
+                                                               {"fig3", fig3},
+                                                               {"fig5", fig5},
+                                                               {"fig7", fig7},
+                                                               {"fig8", fig8},
+                                                               {"table1", table1},
+                                                               {"table2", table2},
+                                                               {"table3", table3}};
 
 }  // namespace
 

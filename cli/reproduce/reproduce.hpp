@@ -9,10 +9,11 @@ namespace c3rt::cli::reproduce {
 
 struct Settings {
   std::string what;
-  std::string out;           // folder; empty: out/reproduce
-  bool quick = false;        // short loops: for a look, not for numbers
-  bool fresh = false;        // compute everything anew
-  double miqp_limit = 15.0;  // of one monolithic MIQP [s]
+  std::string out;             // folder; empty: out/reproduce
+  bool quick = false;          // short loops: for a look, not for numbers
+  bool fresh = false;          // compute everything anew
+  std::string seeds = "1..5";  // of the comparison
+  double miqp_limit = 15.0;    // of one monolithic MIQP [s]
 };
 
 /// table1, table2, …

@@ -14,10 +14,6 @@ bool is_stewart_trinkle(const Parameters& parameters) {
   return parameters.contact_model == ContactModel::kStewartTrinkle;
 }
 
-std::unique_ptr<PlanningModel> make_model(const Parameters& parameters) {
-  return parameters.balls == 1 ? make_one_ball(parameters) : make_several_balls(parameters);
-}
-
 /// λ of n_c contacts: γ, normal force and edges of each, or edges alone.
 int n_lambda_of(int n_c, bool stewart_trinkle) {
   return n_c * (stewart_trinkle ? 2 + kEdges : kEdges);
@@ -35,6 +31,12 @@ Eigen::VectorXd G_of_lambda(const PlanningModel& model, const PhaseWeights& weig
     G.segment<kEdges>((has_gamma ? 2 * n_c : 0) + i * kEdges).setConstant(of_contact.tangential);
   }
   return G;
+}
+
+}  // namespace
+
+std::unique_ptr<PlanningModel> make_model(const Parameters& parameters) {
+  return parameters.balls == 1 ? make_one_ball(parameters) : make_several_balls(parameters);
 }
 
 c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool has_gamma) {
@@ -70,8 +72,6 @@ c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool
   }
   return costs;
 }
-
-}  // namespace
 
 C3Step::C3Step(const Parameters& parameters)
     : stewart_trinkle_(is_stewart_trinkle(parameters)),

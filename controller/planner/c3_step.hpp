@@ -25,6 +25,12 @@ struct StepResult {
   const c3::Solution* solution;  // of Algorithm 1; valid until the next step
 };
 
+/// The scenario's M_s: of one ball or of several.
+std::unique_ptr<PlanningModel> make_model(const Parameters& parameters);
+
+/// What Algorithm 1 weighs in one phase. @param has_gamma Stewart and Trinkle's λ, else Anitescu's
+c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool has_gamma);
+
 class C3Step {
  public:
   /// @throws std::invalid_argument if weights or sizes cannot be used (named)

@@ -1,0 +1,204 @@
+#include "cli/reproduce/open_loop.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cli/progress.hpp"
+#include "controller/horizon/condensed.hpp"
+#include "controller/horizon/modes.hpp"
+#include "controller/horizon/search.hpp"
+#include "controller/lcs/simulate.hpp"
+#include "controller/planner/c3_step.hpp"
+#include "controller/planner/heuristic.hpp"
+#include "idl/topics.hpp"
+
+namespace c3rt::cli::reproduce {
+namespace {
+
+using planner::Scene;
+
+constexpr double kNs = 1e-9;
+
+/// The problem that the judge's planner would solve: its LCS, with scaled forces, and its costs.
+struct Posed {
+  lcs::Lcs lcs;
+  c3::Costs costs;
+  c3::Constraints constraints;
+  horizon::Problem problem;
+};
+
+Posed pose(const Question& question, const planner::Parameters& parameters) {
+  const std::unique_ptr<planner::PlanningModel> model = planner::make_model(parameters);
+  Posed posed;
+  const model::ContactSystem system =
+      model->contact_system(question.scene, planner::Contacts::kPlanned);
+  posed.lcs = model::stewart_trinkle(system, parameters.dt);
+  lcs::scale_forces(posed.lcs, lcs::force_scale(posed.lcs));
+  posed.costs =
+      planner::costs_of(*model, question.rolling ? parameters.roll : parameters.back, true);
+  const c3::Sizes sizes{static_cast<int>(posed.lcs.A.rows()), static_cast<int>(posed.lcs.F.rows()),
+                        static_cast<int>(posed.lcs.B.cols()), parameters.N};
+  posed.problem.sizes = sizes;
+  posed.problem.x0.resize(sizes.n_x);
+  model->state(question.scene, posed.problem.x0);
+  posed.problem.x_desired.resize(sizes.n_x, sizes.N + 1);
+  Eigen::VectorXd x(sizes.n_x);
+  for (int k = 0; k <= sizes.N; ++k) {
+    model->state(question.desired[static_cast<std::size_t>(k)], x);
+    posed.problem.x_desired.col(k) = x;
+  }
+  return posed;
+}
+
+/// Points the problem at the data beside it, wherever that has been moved to.
+const horizon::Problem& linked(Posed& posed) {
+  posed.problem.systems = {&posed.lcs, 0};
+  posed.problem.costs = &posed.costs;
+  posed.problem.constraints = &posed.constraints;
+  return posed.problem;
+}
+
+/// The trajectory that the inputs lead to; nothing where an LCP on the way has no answer.
+std::optional<horizon::Plan> consequence(Posed& posed, const Eigen::MatrixXd& u) {
+  const lcs::Simulation simulation = lcs::simulate(posed.lcs, posed.problem.x0, u);
+  if (!simulation.report.ok()) return std::nullopt;
+  return horizon::roll_out(linked(posed), simulation.lambda, u);
+}
+
+bool is_late(void* end) noexcept { return seconds_now() >= *static_cast<const double*>(end); }
+
+/// The last row that is not later. @param rows begin with their time
+const std::vector<double>& before(const std::vector<std::vector<double>>& rows, double time) {
+  const auto after =
+      std::upper_bound(rows.begin(), rows.end(), time,
+                       [](double t, const std::vector<double>& row) { return t < row[0]; });
+  return after == rows.begin() ? *after : *std::prev(after);
+}
+
+Eigen::Vector3d vector(const std::vector<double>& row, std::size_t at) {
+  return {row[at], row[at + 1], row[at + 2]};
+}
+
+}  // namespace
+
+std::vector<Question> questions(const campaign::RunResult& run, const config::Scenario& scenario,
+                                int count) {
+  const std::filesystem::path logs = run.folder / "log";
+  const auto balls = campaign::read_columns(
+      logs / "sim_scene.csv",
+      {"time_ns", "p_WB_m_0_0", "p_WB_m_0_1", "p_WB_m_0_2", "v_WB_m_per_s_0_0", "v_WB_m_per_s_0_1",
+       "v_WB_m_per_s_0_2", "omega_rad_per_s_0_0", "omega_rad_per_s_0_1", "omega_rad_per_s_0_2"});
+  const auto states = campaign::read_columns(logs / "robot_state.csv",
+                                             {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"});
+  std::vector<double> instants;  // of the states that C3 planned from [ns]
+  for (const auto& plan : campaign::read_columns(logs / "plan.csv", {"phase", "state_ns"})) {
+    const int phase = static_cast<int>(plan[0]);
+    if (phase == c3rt_v1_PHASE_ROLL || phase == c3rt_v1_PHASE_RETURN) instants.push_back(plan[1]);
+  }
+  if (instants.empty()) throw std::runtime_error(run.folder.string() + ": C3 never planned");
+
+  const planner::Parameters& parameters = scenario.planner;
+  const double ball_height = parameters.model.table_height + parameters.model.ball_radius;
+  std::vector<Question> all;
+  for (int i = 0; i < count; ++i) {
+    const double now =
+        instants[instants.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(count)];
+    Question question{(now - instants.front()) * kNs, {}, false, {}};
+    const std::vector<double>&state = before(states, now), &earlier = before(states, now - 2e6);
+    Scene& scene = question.scene;
+    scene.p_WE = vector(state, 1);
+    const double passed = (state[0] - earlier[0]) * kNs;
+    scene.v_WE = passed > 0.0 ? Eigen::Vector3d((scene.p_WE - vector(earlier, 1)) / passed)
+                              : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    scene.ball_count = 1;
+    const std::vector<double>& seen = before(balls, now);
+    planner::Ball& ball = scene.balls[0];
+    ball.v_WB = vector(seen, 4);
+    ball.p_WB = vector(seen, 1) + (now - seen[0]) * kNs * ball.v_WB;
+    ball.omega_WB = vector(seen, 7);
+    ball.q_WB.setIdentity();
+
+    const planner::Phase phase = planner::phase_at(parameters.heuristic, question.time);
+    question.rolling = phase == planner::Phase::kRoll;
+    const auto target = [&](double ahead) {
+      return planner::target(parameters.task, question.time, ahead, ball.p_WB.head<2>());
+    };
+    Scene desired{};
+    desired.ball_count = 1;
+    desired.v_WE.setZero();
+    desired.p_WE = planner::end_effector_target(parameters.heuristic, parameters.model, phase,
+                                                scene.p_WE, ball.p_WB, target(0.0));
+    desired.balls[0] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                        Eigen::Quaterniond::Identity()};
+    for (int k = 0; k <= parameters.N; ++k) {
+      desired.balls[0].p_WB << target(k * parameters.dt), ball_height;
+      question.desired.push_back(desired);
+    }
+    all.push_back(std::move(question));
+  }
+  return all;
+}
+
+Answers answer_with_c3(const std::vector<Question>& questions, const config::Scenario& scenario,
+                       const config::Scenario& judge) {
+  planner::C3Step step(scenario.planner);
+  Answers answers;
+  for (const Question& question : questions) {
+    for (int k = 0; k <= scenario.planner.N; ++k)
+      step.want(k, question.desired[static_cast<std::size_t>(k)]);
+    const double began = seconds_now();
+    const planner::StepStatus status =
+        step.step(question.scene, question.rolling, 1.0 / scenario.planner.rate, {});
+    answers.times.push_back(seconds_now() - began);
+    answers.costs.push_back(kNone);
+    if (status == planner::StepStatus::kFailed) continue;
+    const c3::Solution& solution = *step.result().solution;
+    Posed posed = pose(question, judge.planner);
+    const Eigen::MatrixXd u =
+        solution.z.bottomRows(posed.problem.sizes.n_u).leftCols(posed.problem.sizes.N);
+    if (const auto plan = consequence(posed, u)) answers.costs.back() = plan->objective;
+  }
+  return answers;
+}
+
+MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
+                                    const config::Scenario& judge, double limit,
+                                    const Context& context) {
+  planner::C3Step step(judge.planner);
+  MonolithicAnswers answers;
+  Progress progress("(15)");
+  for (const Question& question : questions) {
+    if (context.stopped()) throw Interrupted{};
+    progress.update(
+        static_cast<double>(answers.times.size()) / static_cast<double>(questions.size()),
+        fmt::format("{} of {} proven", answers.proven, answers.times.size()));
+    Posed posed = pose(question, judge.planner);
+    const horizon::Problem& problem = linked(posed);
+    for (int k = 0; k <= judge.planner.N; ++k)
+      step.want(k, question.desired[static_cast<std::size_t>(k)]);
+    const double began = seconds_now();
+    // the modes that C3's inputs lead to are a first answer
+    std::optional<horizon::Plan> known;
+    if (step.step(question.scene, question.rolling, 1.0 / judge.planner.rate, {}) !=
+        planner::StepStatus::kFailed) {
+      const Eigen::MatrixXd u =
+          step.result().solution->z.bottomRows(problem.sizes.n_u).leftCols(problem.sizes.N);
+      if (const auto plan = consequence(posed, u))
+        known = horizon::solve_modes(problem, horizon::condense(problem),
+                                     horizon::modes(problem, *plan));
+    }
+    double end = began + limit;
+    const horizon::SearchResult result = horizon::search(problem, {}, known, {&is_late, &end});
+    answers.times.push_back(seconds_now() - began);
+    answers.proven += result.is_proven ? 1 : 0;
+    answers.costs.push_back(kNone);
+    // its inputs are judged as C3's are: what the system does with them, not what the plan says
+    if (!result.plan) continue;
+    if (const auto plan = consequence(posed, result.plan->u))
+      answers.costs.back() = plan->objective;
+  }
+  return answers;
+}
+
+}  // namespace c3rt::cli::reproduce
