@@ -31,7 +31,6 @@ const std::vector<Variant> kVariants{
     {"plus", "C3+", {"planner.c3.projection=plus"}}};
 const std::vector<std::string> kScenarios{"circle_slow", "circle_fast"};
 constexpr int kQuestions = 40;
-constexpr double kBudget = 1.0 / 75.0;  // what a planner has for one answer [s]
 
 /// The scenario with settings of the projection's own, if there is one, else that of all.
 campaign::RunSpec spec_of(const std::string& scenario, const Variant& variant) {
@@ -133,6 +132,7 @@ void open_loop(const Context& context, Rows& rows, ordered_json& results) {
   const campaign::RunResult run = context.runs({spec}).front();
   const config::Scenario judge = load(spec);
   const std::vector<Question> asked = questions(run, judge, kQuestions);
+  const double period = 1.0 / judge.planner.rate;  // what a planner has for one answer [s]
 
   std::vector<std::pair<std::string, Answers>> answers;
   for (const Variant& variant : kVariants)
@@ -161,7 +161,7 @@ void open_loop(const Context& context, Rows& rows, ordered_json& results) {
     }
   }
   rows.push_back({"", "answers", "cost above best, p50 [%]", "p95 [%]", "time, p50 [ms]",
-                  "p95 [ms]", "in 13.3 ms [%]"});
+                  "p95 [ms]", fmt::format("in a period of {:g} ms [%]", 1e3 * period)});
   rows.push_back({fmt::format("{} states of {}, open loop", asked.size(), spec.scenario)});
   for (const auto& [label, answer] : answers) {
     const std::vector<double> above = excess(answer.costs, best);
@@ -172,7 +172,7 @@ void open_loop(const Context& context, Rows& rows, ordered_json& results) {
     std::vector<double> times = answer.times;
     std::sort(times.begin(), times.end());
     const auto fast =
-        std::count_if(times.begin(), times.end(), [](double time) { return time <= kBudget; });
+        std::count_if(times.begin(), times.end(), [&](double time) { return time <= period; });
     const auto share = [&](double p) {
       return finite.empty() ? "-" : shown(100.0 * campaign::quantile(finite, p), 3);
     };
