@@ -98,7 +98,8 @@ void DomainLock::write() const {
 
 std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directory,
                                             const Instance& self) {
-  for (std::uint32_t domain = kFirstAny; domain <= kLastAny; ++domain) {
+  // from the end that nobody takes by hand
+  for (std::uint32_t domain = kLastAny; domain >= kFirstAny; --domain) {
     try {
       auto lock = std::make_unique<DomainLock>(directory, domain, self);
       if (silent(domain)) return lock;

@@ -52,8 +52,8 @@ class DomainLock {
   Instance self_;
 };
 
-/// The first free one of the domains that are kept for this (101 … 230), without a race between
-/// programs that look for one at the same time.
+/// The first free one of the domains that are kept for this (230 down to 101), without a race
+/// between programs that look for one at the same time.
 /// @throws UsageError if all are busy
 std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directory,
                                             const Instance& self);
