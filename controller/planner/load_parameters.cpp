@@ -115,6 +115,8 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.heuristic.roll_clearance = heuristic.number("roll_clearance_m", {-0.05, 0.2});
   parameters.heuristic.return_back = heuristic.number("return_back_m", {0, 0.2});
   parameters.heuristic.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
+  if (heuristic.has("roll_reach_m"))
+    parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1});
   if (heuristic.has("return_gap_m"))
     parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1});
 

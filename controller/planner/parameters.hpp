@@ -40,11 +40,13 @@ struct HeuristicParameters {
   double roll_duration;    // Phase I [s]
   double return_duration;  // Phase II [s], three equal parts: up, sideways, down
   double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
-  double return_back;      // Phase II: how far behind the ball, seen from its target [m]
+  double return_back;  // Phase II: how far behind the ball, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
   // Beyond Figure 10: Phase I ends early where the ball, once touched, has run away by this gap,
   // over which no force acts [m]
   double return_gap = std::numeric_limits<double>::infinity();
+  // and where the end effector is farther than this from above the ball: it has slipped off [m]
+  double roll_reach = std::numeric_limits<double>::infinity();
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.

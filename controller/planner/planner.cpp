@@ -138,11 +138,13 @@ void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
     return;
   }
   const Scene scene = estimate(input);
-  const double distance = (scene.balls[static_cast<std::size_t>(ball_)].p_WB - scene.p_WE).norm();
+  const Eigen::Vector3d& p_WB = scene.balls[static_cast<std::size_t>(ball_)].p_WB;
+  const double distance = (p_WB - scene.p_WE).norm();
   const double gap =
       distance - parameters_.model.ball_radius - parameters_.model.end_effector_radius;
   touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
-  if (touched_ && gap > parameters_.heuristic.return_gap) {
+  const bool slipped_off = (scene.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
+  if ((touched_ && gap > parameters_.heuristic.return_gap) || slipped_off) {
     c3_since_ = input.now;
     phase_ = Phase::kReturnUp;
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 using namespace c3rt;
@@ -51,4 +52,34 @@ TEST_CASE("closed loop: with 1 mm of noise the ball still goes round, whatever t
     CHECK(course.turns > 1.0);
     CHECK(course.largest_error < 0.06);
   }
+}
+
+TEST_CASE(
+    "closed loop: the ball follows a rectangle in time, never 2 cm from the point of the time") {
+  const config::Scenario scenario =
+      config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/path_rectangle.yaml");
+  const auto& path = std::get<planner::PathTask>(scenario.task.motion);
+  test::ClosedLoop loop(scenario, 1);
+  double start = -1.0, largest = 0.0, squares = 0.0;
+  int rows = 0;
+  Eigen::AlignedBox2d visited;
+  while (start < 0.0 || loop.time() - start < planner::round_duration(path)) {
+    loop.step_1ms();
+    REQUIRE(loop.time() < 100.0);
+    const bool rolling =
+        loop.plan().mode == planner::Mode::kRoll || loop.plan().mode == planner::Mode::kReturn;
+    if (start < 0.0 && rolling) start = loop.time();
+    if (start < 0.0 || loop.time() - start < 1.0) continue;
+    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+    const double error = (ball - planner::path_point(path, loop.time() - start)).norm();
+    largest = std::max(largest, error);
+    squares += error * error;
+    ++rows;
+    visited.extend(ball);
+  }
+  CHECK(largest < 0.02);
+  CHECK(std::sqrt(squares / rows) < 0.01);
+  // all round: the sides are 0.1 m and 0.2 m
+  CHECK(visited.sizes().x() > 0.09);
+  CHECK(visited.sizes().y() > 0.19);
 }

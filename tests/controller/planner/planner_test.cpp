@@ -215,6 +215,26 @@ TEST_CASE(
   CHECK(follower.planner.counters().fallbacks == 0);
 }
 
+TEST_CASE("planner: an end effector that slips off the ball returns at once, and rolls again") {
+  Parameters p = parameters();
+  p.heuristic.roll_reach = 0.03;
+  p.heuristic.return_gap = std::numeric_limits<double>::infinity();
+  Follower follower(p);
+  REQUIRE(follower.until(Mode::kRoll, 2000));
+  const Vector3d above = kBall + Vector3d(0.0, 0.0, 0.055);
+  Input input = input_at(follower.now, above + Vector3d(0.9 * p.heuristic.roll_reach, 0.0, 0.0));
+  CHECK(follower.planner.step(input).mode == Mode::kRoll);
+  input.now += follower.period;
+  input.p_WE = above + Vector3d(1.1 * p.heuristic.roll_reach, 0.0, -0.02);
+  CHECK(follower.planner.step(input).mode == Mode::kReturn);
+  // a whole Phase II, then the next Phase I
+  input.p_WE = above;
+  input.now += p.heuristic.return_duration - follower.period;
+  CHECK(follower.planner.step(input).mode == Mode::kReturn);
+  input.now += 2.0 * follower.period;
+  CHECK(follower.planner.step(input).mode == Mode::kRoll);
+}
+
 TEST_CASE("planner: the plan for the next instant respects the contact") {
   const Parameters p = parameters();
   Follower follower(p);
@@ -289,7 +309,7 @@ TEST_CASE(
     // nine regular periods and one of 30 ms
     follower.now += 0.030 - follower.period;
     const Plan& plan = follower.step();
-    CHECK(plan.delta_t_c == Approx(period ? (9.0 / 75.0 + 0.030) / 10.0 : 0.002));
+    CHECK(plan.delta_t_c == Approx(period ? (9.0 * follower.period + 0.030) / 10.0 : 0.002));
   }
 }
 
