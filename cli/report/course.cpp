@@ -102,6 +102,20 @@ std::optional<std::int64_t> task_start_ns(const Series& series) {
   return first->state_ns;
 }
 
+PathErrors path_errors(const Series& series, const planner::Task& task, int ball) {
+  PathErrors errors;
+  const auto start = task_start_ns(series);
+  if (!start) return errors;
+  for (const SceneRow& row : series.scene) {
+    if (row.time_ns < *start || ball >= row.ball_count) continue;
+    const double elapsed = static_cast<double>(row.time_ns - *start) * 1e-9;
+    const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(ball)];
+    errors.time.push_back(elapsed);
+    errors.error.push_back(planner::path_error(task, elapsed, p_WB.head<2>()));
+  }
+  return errors;
+}
+
 std::vector<Eigen::Vector2d> outline(const planner::Task& task, double y_start) {
   if (const auto* line = std::get_if<planner::LineTask>(&task))
     return {{line->x, y_start}, {line->x, line->y_end}};

@@ -69,6 +69,13 @@ double worst_error(const planner::Task& task, double elapsed, const SceneRow& ro
 /// path's clock starts [ns].
 std::optional<std::int64_t> task_start_ns(const Series& series);
 
+/// How far a ball is from where it should be, from the task's begin on.
+struct PathErrors {
+  std::vector<double> time;   // since the task began [s]
+  std::vector<double> error;  // planner::path_error [m]
+};
+PathErrors path_errors(const Series& series, const planner::Task& task, int ball);
+
 /// The desired path as a line to draw: closed for circles and paths. @param y_start of a line [m]
 std::vector<Eigen::Vector2d> outline(const planner::Task& task, double y_start);
 

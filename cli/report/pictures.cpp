@@ -20,6 +20,8 @@ using gnuplot::terminal;
 constexpr double kBand = 0.02;              // [m]
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
 
+constexpr std::array<const char*, kMaxBalls> kBallColours{"black", "#1b7837", "#b35806", "#7b3294"};
+
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
 
 /// gnuplot refuses axes that no sample gives a range.
@@ -50,8 +52,6 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
 std::string path_script(const std::filesystem::path& file, const Series& series,
                         const planner::Task& task, const Figures& figures,
                         const std::string& title) {
-  static constexpr std::array<const char*, kMaxBalls> kColours{"black", "#1b7837", "#b35806",
-                                                               "#7b3294"};
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
   const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
   Eigen::AlignedBox2d box;
@@ -61,7 +61,7 @@ std::string path_script(const std::filesystem::path& file, const Series& series,
         fmt::format("$ball{} << EOD\n", ball) + track(series, from, ball, box, start) + "EOD\n";
     const std::string name = balls > 1 ? fmt::format("ball {}", ball + 1) : "ball";
     plots += fmt::format(", $ball{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'", ball,
-                         kColours[ball], name);
+                         kBallColours[ball], name);
   }
   // a line begins where its farthest ball does
   const auto* line = std::get_if<planner::LineTask>(&task);
@@ -97,6 +97,36 @@ std::string path_script(const std::filesystem::path& file, const Series& series,
       " $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n",
       kBand, plots);
   return script;
+}
+
+std::string error_script(const std::filesystem::path& file, const Series& series,
+                         const planner::Task& task, const Figures& figures,
+                         const std::string& title) {
+  std::string script = terminal(file, 900, 420), plots;
+  bool any = false;
+  for (std::size_t ball = 0; ball < figures.balls.size(); ++ball) {
+    const PathErrors errors = path_errors(series, task, static_cast<int>(ball));
+    const std::size_t step = stride(errors.time.size());
+    script += fmt::format("$error{} << EOD\n", ball);
+    for (std::size_t i = 0; i < errors.time.size(); i += step) {
+      const std::size_t end = std::min(i + step, errors.time.size());
+      const double largest =
+          *std::max_element(errors.error.begin() + static_cast<std::ptrdiff_t>(i),
+                            errors.error.begin() + static_cast<std::ptrdiff_t>(end));
+      script += fmt::format("{:.4f} {:.5f}\n", errors.time[i], largest * 1e3);
+      any = true;
+    }
+    script += "EOD\n";
+    plots += fmt::format(", $error{} with lines lw 1.2 lc rgb '{}' title 'ball {}'", ball,
+                         kBallColours[ball], ball + 1);
+  }
+  return script + fmt::format("set title {} noenhanced\n", quoted(title)) +
+         "set xlabel 'time since the task began [s]'\nset ylabel 'ball to path [mm]'\n" +
+         axes(any) +
+         fmt::format(
+             "set key below horizontal\nplot {} with lines dt 2 lc rgb '#d04020' title '2 cm'",
+             kBand * 1e3) +
+         (any ? plots : "") + "\n";
 }
 
 std::string tracking_script(const std::filesystem::path& file, const Series& series,
@@ -177,6 +207,7 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
       "unset multiplot\n";
   const std::vector<std::pair<std::string, std::string>> pictures{
       {"path.png", path_script(directory / "path.png", series, task, figures, title)},
+      {"path_error.png", error_script(directory / "path_error.png", series, task, figures, title)},
       {"end_effector_error.png",
        tracking_script(directory / "end_effector_error.png", series, title)},
       {"solve_time.png", terminal(directory / "solve_time.png", 820, 420) +

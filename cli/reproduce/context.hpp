@@ -83,6 +83,8 @@ void fig7(const Context& context);
 void fig8(const Context& context);
 void fig11(const Context& context);
 void fig14(const Context& context);
+void fig16(const Context& context);
 void fig17(const Context& context);
+void fig18(const Context& context);
 
 }  // namespace c3rt::cli::reproduce

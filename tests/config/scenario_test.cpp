@@ -55,6 +55,24 @@ TEST_CASE("scenario: every shipped file can be loaded, and is named as its file"
   }
 }
 
+TEST_CASE(
+    "scenario: every shipped path in time closes, starts at its ball and is no faster than 25 "
+    "mm/s") {
+  for (const char* name :
+       {"path_circle", "path_line", "path_rectangle", "path_figure_eight", "path_n"}) {
+    CAPTURE(name);
+    const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
+    CHECK(scenario.name == name);
+    const auto& path = std::get<c3rt::planner::PathTask>(scenario.task.motion);
+    const Eigen::Vector2d ball = scenario.plant.world.balls.at(0).position;
+    CHECK((ball - path.points.front()).norm() < 1e-9);
+    for (std::size_t i = 0; i < path.points.size(); ++i) {
+      const Eigen::Vector2d& next = path.points[(i + 1) % path.points.size()];
+      CHECK((next - path.points[i]).norm() / path.interval < 0.025);
+    }
+  }
+}
+
 TEST_CASE("scenario: a numerical example is refused as one of the four processes") {
   for (const char* name : {"cart_pole", "cart_pole_hardware", "finger_gaiting", "pivoting"}) {
     CHECK_THROWS_WITH(load_scenario(kFolder + name + ".yaml"),

@@ -60,7 +60,8 @@ TEST_CASE("every picture is drawn, also of a run without a single sample") {
   const Folder folder;
   const c3rt::planner::CircleTask circle{{0.55, 0.0}, 0.1, 0.35};
   REQUIRE(draw_pictures(folder.path(), Series{}, circle, Figures{}, "a \"quoted\" title") == "");
-  for (const char* name : {"path.png", "end_effector_error.png", "solve_time.png", "latency.png"}) {
+  for (const char* name :
+       {"path.png", "path_error.png", "end_effector_error.png", "solve_time.png", "latency.png"}) {
     INFO(name);
     REQUIRE(std::filesystem::file_size(folder.path() / name) > 1000);
   }

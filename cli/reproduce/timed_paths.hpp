@@ -1,0 +1,28 @@
+#pragma once
+// The runs behind Figures 16 and 18: paths in time, with three cameras.
+#include <array>
+#include <vector>
+
+#include "cli/reproduce/rolling.hpp"
+
+namespace c3rt::cli::reproduce {
+
+struct TimedPath {
+  const char *name, *scenario, *title;
+};
+
+/// The three of the paper.
+constexpr std::array<TimedPath, 3> kTimedPaths{{{"circle", "path_circle", "circle"},
+                                                {"line", "path_line", "line"},
+                                                {"rectangle", "path_rectangle", "rectangle"}}};
+
+/// One run of each, two rounds, seed 1, cameras in the place of the emulated sensor, with logs.
+std::vector<campaign::RunResult> timed_path_runs(const Context& context);
+
+/// A table of errors after the first second, one column for each path.
+Rows timed_path_rows(const std::vector<campaign::RunResult>& runs);
+
+/// {path: {command, report}}
+ordered_json timed_path_results(const char* what, const std::vector<campaign::RunResult>& runs);
+
+}  // namespace c3rt::cli::reproduce
