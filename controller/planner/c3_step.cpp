@@ -1,7 +1,5 @@
 #include "controller/planner/c3_step.hpp"
 
-#include <utility>
-
 #include "controller/lcs/lcs.hpp"
 #include "controller/lcs/step.hpp"
 
@@ -31,6 +29,17 @@ Eigen::VectorXd G_of_lambda(const PlanningModel& model, const PhaseWeights& weig
     G.segment<kEdges>((has_gamma ? 2 * n_c : 0) + i * kEdges).setConstant(of_contact.tangential);
   }
   return G;
+}
+
+/// Weights of η, in the order of the planning system; Anitescu's rows, distance and slip in one,
+/// have the first.
+Eigen::VectorXd of_rows(const PhaseWeights::Gaps& gaps, int n_lambda, bool has_gamma) {
+  Eigen::VectorXd rows = Eigen::VectorXd::Constant(n_lambda, gaps.cone);
+  if (!has_gamma) return rows;
+  const int n_c = n_lambda / (2 + kEdges);
+  rows.segment(n_c, n_c).setConstant(gaps.distance);
+  rows.tail(n_c * kEdges).setConstant(gaps.slip);
+  return rows;
 }
 
 }  // namespace
@@ -64,12 +73,12 @@ c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool
   costs.convex = {weights.U_x * Eigen::MatrixXd::Identity(n_x, n_x),
                   weights.U_u * Eigen::MatrixXd::Identity(kInputs, kInputs), weights.convex_alpha,
                   weights.convex_epsilon};
-  for (const auto& [target, value] : {std::pair{&costs.plus.g_lambda, weights.plus_g_lambda},
-                                      std::pair{&costs.plus.g_eta, weights.plus_g_eta},
-                                      std::pair{&costs.plus.u_lambda, weights.plus_u_lambda},
-                                      std::pair{&costs.plus.u_eta, weights.plus_u_eta}}) {
-    *target = Eigen::VectorXd::Constant(n_lambda, value);
-  }
+  costs.plus.g_lambda = weights.plus_g_lambda
+                            ? Eigen::VectorXd::Constant(n_lambda, *weights.plus_g_lambda)
+                            : Eigen::VectorXd(G.segment(n_x, n_lambda));
+  costs.plus.u_lambda.setConstant(n_lambda, weights.plus_u_lambda);
+  costs.plus.g_eta = of_rows(weights.plus_g_eta, n_lambda, has_gamma);
+  costs.plus.u_eta = of_rows(weights.plus_u_eta, n_lambda, has_gamma);
   return costs;
 }
 

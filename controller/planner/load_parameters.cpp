@@ -8,6 +8,15 @@ namespace {
 constexpr config::Range kWeight{0.0, 1e12};
 constexpr config::Range kPositiveWeight{1e-12, 1e12};
 
+/// One weight for all rows of η, or `KEY_distance` and `KEY_slip` beside that of the cone.
+PhaseWeights::Gaps load_gaps(config::Section& plus, const std::string& key) {
+  const double cone = plus.number(key, kPositiveWeight);
+  PhaseWeights::Gaps gaps{cone, cone, cone};
+  if (plus.has(key + "_distance")) gaps.distance = plus.number(key + "_distance", kPositiveWeight);
+  if (plus.has(key + "_slip")) gaps.slip = plus.number(key + "_slip", kPositiveWeight);
+  return gaps;
+}
+
 PhaseWeights load_weights(config::Section section, int balls) {
   PhaseWeights weights{};
   config::Section Q = section.section("Q");
@@ -39,10 +48,10 @@ PhaseWeights load_weights(config::Section section, int balls) {
   weights.convex_alpha = convex.number("alpha", {0, 1});
   weights.convex_epsilon = convex.number("epsilon", {0, 1});
   config::Section plus = section.section("plus");
-  weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
-  weights.plus_g_eta = plus.number("g_eta", kPositiveWeight);
+  if (plus.has("g_lambda")) weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
   weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
-  weights.plus_u_eta = plus.number("u_eta", kPositiveWeight);
+  weights.plus_g_eta = load_gaps(plus, "g_eta");
+  weights.plus_u_eta = load_gaps(plus, "u_eta");
   return weights;
 }
 

@@ -2,6 +2,7 @@
 // Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in
 // load_parameters.cpp.
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,7 +27,11 @@ struct PhaseWeights {
   double U_x, U_lambda, U_u;
   // projections that need more; the convex one weighs x and u by U_x and U_u
   double convex_alpha, convex_epsilon;
-  double plus_g_lambda, plus_g_eta, plus_u_lambda, plus_u_eta;
+  std::optional<double> plus_g_lambda;  // none: G of λ, contact by contact
+  double plus_u_lambda;
+  struct Gaps {  // C3+'s η by row: of the friction cone, of the distance, of the slip
+    double cone, distance, slip;
+  } plus_g_eta, plus_u_eta;
 };
 
 enum class ContactModel {

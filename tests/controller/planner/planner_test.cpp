@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <catch2/catch.hpp>
 
@@ -344,4 +345,23 @@ TEST_CASE("planner: weights that cannot be used are refused at the start, by nam
   Parameters p = parameters();
   p.roll.R = -1.0;
   CHECK_THROWS_WITH(Planner(p), Catch::Contains("Costs.R"));
+}
+
+TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G does") {
+  Parameters p = parameters({"planner.c3.projection=plus"});
+  const auto u_with = [&p](std::optional<double> g_lambda, double G_all, double g_eta_slip) {
+    for (PhaseWeights* weights : {&p.roll, &p.back}) {
+      weights->plus_g_lambda = g_lambda;
+      weights->plus_g_eta.slip = g_eta_slip;
+      weights->G_gamma = weights->G_end_effector_normal = weights->G_end_effector_tangential =
+          weights->G_table_normal = weights->G_table_tangential = G_all;
+    }
+    Follower follower(p);
+    REQUIRE(follower.until(Mode::kRoll, 2000));
+    return Vector3d(follower.step().u_c3);
+  };
+  const Vector3d u = u_with(0.02, 0.005, 0.1);
+  CHECK(u_with(std::nullopt, 0.02, 0.1) == u);
+  CHECK(u_with(std::nullopt, 0.005, 0.1) != u);
+  CHECK(u_with(0.02, 0.005, 0.2) != u);
 }
