@@ -30,7 +30,6 @@ struct Child : test::ChildProcess {
       : ChildProcess(test::process_command("c3rt-plant", scenario, test_domain(), more)) {}
 };
 
-
 /// Turns the controller's cycle until `done`, at most 20 s.
 bool until(const std::function<bool()>& done, const std::function<void()>& cycle) {
   rt::PeriodicClock clock(1'000'000);
@@ -46,7 +45,7 @@ bool until(const std::function<bool()>& done, const std::function<void()>& cycle
 TEST_CASE(
     "in realtime the plant moves while it is commanded, stops when it is not, and recovers on "
     "request") {
-  Child child(kScenario, {"--clock", "realtime"});
+  Child child(kScenario, {"--clock", "realtime", "--set", "plant.balls.0.start_spread_m=0"});
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
