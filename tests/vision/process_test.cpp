@@ -215,14 +215,15 @@ TEST_CASE(
     balls +=
         std::string("    - {position_m: [0.65, ") + y + "], radius_m: 0.0315, mass_kg: 0.132}\n";
   }
-  Child child(camera_scenario(
-                  {{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132}\n", balls},
-                   {"friction_table: 1.0", "friction_balls: 1.0"},
-                   {" ball_z: 1000,", ""},
-                   {" ball_z: 5,", ""},
-                   {"table_normal", "balls_normal"},
-                   {"table_tangential", "balls_tangential"},
-                   {"ball_table: true", "ball_ball: true"}}),
+  Child child(camera_scenario({{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132, "
+                                "start_spread_m: 0.01}\n",
+                                balls},
+                               {"friction_table: 1.0", "friction_balls: 1.0"},
+                               {" ball_z: 0,", ""},
+                               {" ball_z: 1,", ""},
+                               {"table_normal", "balls_normal"},
+                               {"table_tangential", "balls_tangential"},
+                               {"ball_table: true", "ball_ball: true"}}),
               "lockstep");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
