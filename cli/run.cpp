@@ -14,6 +14,7 @@
 #include "cli/table.hpp"
 #include "idl/process.hpp"
 #include "plant_emulator/errors.hpp"
+#include "plant_emulator/pushes.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -124,7 +125,10 @@ int run(const LaunchSettings& settings) {
   report.scenario = scenario.name;
   report.seed = settings.seed;
   report.clock = settings.clock_name();
-  report.figures = evaluate(recorder.series(), task, limits);
+  report.figures = evaluate(
+      recorder.series(), task, limits,
+      plant::drawn_pushes(scenario.plant.pushes,
+                          static_cast<int>(scenario.plant.world.balls.size()), settings.seed));
   report.services = service_figures(live);
   report.real_time_factor = recorder.real_time_factor();
   report.reflexes = reflex_names(report.figures.error_bits);

@@ -21,6 +21,22 @@ bool may_overlap(const std::vector<BallParameters>& balls) {
   return false;
 }
 
+PushParameters load_pushes(config::Section section) {
+  PushParameters pushes;
+  pushes.count = section.integer("count", {0, 1000});
+  pushes.from = section.number("from_s", {0, 1e6});
+  pushes.until = section.number("until_s", {0, 1e6});
+  if (pushes.until <= pushes.from)
+    section.fail("until_s", "a time after from_s", std::to_string(pushes.until));
+  pushes.impulse_min = section.number("impulse_min_n_s", {0, 1});
+  pushes.impulse_max = section.number("impulse_max_n_s", {0, 1});
+  if (pushes.impulse_max < pushes.impulse_min) {
+    section.fail("impulse_max_n_s", "no less than impulse_min_n_s",
+                 std::to_string(pushes.impulse_max));
+  }
+  return pushes;
+}
+
 }  // namespace
 
 Parameters load_parameters(config::Section section) {
@@ -48,12 +64,14 @@ Parameters load_parameters(config::Section section) {
     p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}),
                              ball.number("radius_m", {0.005, 0.2}),
                              ball.number("mass_kg", {0.001, 10})});
+    if (ball.has("held")) p.world.balls.back().held = ball.boolean("held");
     if (ball.has("start_spread_m"))
       p.world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1});
   }
   if (may_overlap(p.world.balls))
     section.fail("balls", "balls that cannot overlap at the start, start_spread_m included",
                  "two that can");
+  if (section.has("pushes")) p.pushes = load_pushes(section.section("pushes"));
   section.finish();
   return p;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "plant_emulator/pushes.hpp"
 #include "plant_emulator/scene.hpp"
 
 namespace c3rt::plant {
@@ -12,7 +13,8 @@ using Vector7d = Eigen::Matrix<double, kJoints, 1>;
 
 struct Parameters {
   World world;
-  Vector7d initial_q;  // [rad]
+  Vector7d initial_q;     // [rad]
+  PushParameters pushes;  // of a hand; none if count is 0
 };
 
 }  // namespace c3rt::plant

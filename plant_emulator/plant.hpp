@@ -3,6 +3,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -92,6 +93,9 @@ class Plant {
   void enter(ModeState next_mode) noexcept;
   void substep(const Vector7d& tau) noexcept;
   void read() noexcept;
+  /// Damping of a ball's six degrees of freedom, in the model.
+  Eigen::Map<Eigen::Matrix<double, 6, 1>> hand_damping(int ball) noexcept;
+  void let_go() noexcept;  // of the balls that the end effector touches
 
   Parameters parameters_;
   Model model_;
@@ -114,6 +118,11 @@ class Plant {
   bool holding_ = true;  // at rest; false while the brake still stops the arm
   double drop_until_ = 0.0;
   bool push_pending_ = false;
+  struct Hand {
+    int ball;
+    double reach;  // distance of the end effector's centre at which it lets go [m]
+  };
+  std::vector<Hand> hands_;
   std::int64_t cycles_ = 0;
   State state_{};
 };

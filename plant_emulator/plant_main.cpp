@@ -58,6 +58,8 @@ class Cycle {
       : plant_(drawn_start(scenario.plant, seed)),
         exposure_(std::llround(1e9 / scenario.vision.rate), 0),
         scene_(kScenePeriodNs, 0),
+        pushes_(drawn_pushes(scenario.plant.pushes,
+                             static_cast<int>(scenario.plant.world.balls.size()), seed)),
         cycles_(status.counter("cycles")),
         lost_commands_(status.counter("lost_commands")),
         saturated_(status.counter("saturated_cycles")),
@@ -104,6 +106,10 @@ class Cycle {
   }
 
   void step() noexcept {
+    // the scenario's own pushes take the way of a client's, but at the same instant in every run
+    for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_) {
+      obey({OrderKind::kPushBall, pushes_[pushed_].ball, 0.0, pushes_[pushed_].impulse});
+    }
     plant_.step_1ms();
     const State& s = plant_.state();
     cycles_.store(++count_, std::memory_order_relaxed);
@@ -144,6 +150,8 @@ class Cycle {
  private:
   Plant plant_;
   Schedule exposure_, scene_;
+  std::vector<Push> pushes_;
+  std::size_t pushed_ = 0;
   std::atomic<std::uint64_t>&cycles_, &lost_commands_, &saturated_, &reflexes_, &success_,
       &success_min_, &exposures_, &faults_;
   std::uint64_t count_ = 0;

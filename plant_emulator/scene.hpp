@@ -32,6 +32,7 @@ struct BallParameters {
   Eigen::Vector2d position;   // of the centre, seen from above, at the start [m]
   double radius;              // [m]
   double mass;                // [kg]; the inertia is that of a solid sphere
+  bool held = false;          // a hand holds it where it starts until the end effector touches it
   double start_spread = 0.0;  // `position` is within this of where the scenario says, by seed [m]
 };
 

@@ -65,7 +65,9 @@ Parameters load_parameters(config::Section section) {
   p.emulated.noise = emulated.number("noise_m", {0, 0.1});
   p.emulated.clip = emulated.number("clip_m", {0, 0.1});
   p.estimator = load_filter(section.section("filter"));
-  p.fusion.outlier = section.section("fusion").number("outlier_m", {1e-4, 1});
+  config::Section fusion = section.section("fusion");
+  p.fusion.outlier = fusion.number("outlier_m", {1e-4, 1});
+  if (fusion.has("rays")) p.fusion.rays = fusion.boolean("rays");
   p.detector = load_detector(section.section("detector"));
   p.colours = BallColours::kDistinct;
   if (section.has("ball_colours")) {

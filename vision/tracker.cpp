@@ -125,8 +125,14 @@ void Tracker::look_around(std::int64_t exposure_ns, const Places& places,
     for (const View& view : sighting.views)
       estimates.push_back({view.detection.found, view.detection.p_WB});
     sighting.fusion = fuse(estimates, *places[i], parameters_.fusion);
-    for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
-      sighting.views[camera].used = sighting.fusion.used[camera];
+    std::vector<Ray> rays;
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
+      View& view = sighting.views[camera];
+      view.used = sighting.fusion.used[camera];
+      const Eigen::Vector3d origin = cameras_[camera]->model().X_WC.translation();
+      if (view.used) rays.push_back({origin, (view.detection.p_WB - origin).normalized()});
+    }
+    if (parameters_.fusion.rays && rays.size() > 1) sighting.fusion.p_WB = meeting_point(rays);
   }
 }
 

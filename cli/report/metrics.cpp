@@ -127,7 +127,8 @@ void add_vision(const Series& series, Figures& figures) {
   }
 }
 
-void add_course(const Series& series, const planner::Task& task, Figures& figures) {
+void add_course(const Series& series, const planner::Task& task,
+                const std::vector<plant::Push>& pushes, Figures& figures) {
   figures.unit = unit(task);
   const auto start_ns = task_start_ns(series);
   if (!start_ns) return;
@@ -145,6 +146,7 @@ void add_course(const Series& series, const planner::Task& task, Figures& figure
     figures.balls.push_back(ball_figures(series, task, ball, *start_ns, 0.0));
   const double from = course.judged_from();
   figures.judged = worst_figures(series, task, balls, *start_ns, from);
+  figures.out_of_band = excursion_figures(series, task, from, pushes);
   if (const auto* path = std::get_if<planner::PathTask>(&task)) {
     const auto figures_of = [&](planner::Between between) {
       planner::PathTask read = *path;
@@ -166,6 +168,12 @@ void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
     }
     if (name == "in_band_2cm") return figures.judged.in_band_2cm;
     if (name == "in_band_1cm") return figures.judged.in_band_1cm;
+    if (name == "longest_excursion_s") return figures.out_of_band.longest;
+    if (name == "largest_excursion_m") return figures.out_of_band.largest;
+    if (name == "ended_in_band") {
+      const std::optional<bool> ended = figures.out_of_band.ended_in_band;
+      return ended ? (*ended ? 1.0 : 0.0) : kNone;
+    }
     if (name == "path_error_rms_m") return figures.judged.rms_error;
     if (name == "path_error_p95_m") return figures.judged.p95_error;
     if (name == "path_error_max_m") return figures.judged.max_error;
@@ -243,12 +251,12 @@ Latencies latencies(const Series& series) {
   return result;
 }
 
-Figures evaluate(const Series& series, const planner::Task& task,
-                 const std::vector<Limit>& limits) {
+Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits,
+                 const std::vector<plant::Push>& pushes) {
   Figures figures;
   if (!series.scene.empty())
     figures.duration = seconds(series.scene.back().time_ns - start_ns(series));
-  add_course(series, task, figures);
+  add_course(series, task, pushes, figures);
   figures.tracking_error = spread(tracking_error(series).error);
   std::vector<double> solve_times;
   for (const PlanRow& plan : series.plan) {

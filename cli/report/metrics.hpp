@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "cli/report/course.hpp"
+#include "cli/report/excursions.hpp"
 #include "cli/report/series.hpp"
 
 namespace c3rt::cli {
@@ -66,6 +67,7 @@ struct Figures {
   std::vector<BallFigures> balls;   // from the start of the task
   BallFigures judged;               // what criteria look at: the worst ball's, when it has settled
   std::optional<PathFigures> path;  // of a task in time
+  ExcursionFigures out_of_band;
   Spread tracking_error;        // |p_WE − p_WE_desired|, without the first second of tracking [m]
   double planner_rate = kNone;  // [Hz]
   Spread solve_time;            // [s]
@@ -86,7 +88,9 @@ struct Figures {
 
 /// Everything at once. The criteria look at the time from Course::judged_from() on: a ball that
 /// never got a quarter round its circle meets no band, so that a parked end effector cannot pass.
-Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits);
+/// @param pushes that the scenario's hand gave, in order of time
+Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits,
+                 const std::vector<plant::Push>& pushes = {});
 
 /// The rows behind the pictures, thinned to what an eye can see.
 struct TrackingError {

@@ -39,6 +39,45 @@ std::string shown(const BallFigures& ball) {
                      shown(ball.in_band_1cm, kPercent, 1));
 }
 
+ordered_json to_json(const ExcursionFigures& figures) {
+  ordered_json excursions = ordered_json::array(), pushes = ordered_json::array();
+  for (const Excursion& e : figures.excursions) {
+    excursions.push_back({{"start_s", number(e.start)},
+                          {"duration_s", number(e.duration)},
+                          {"largest_m", number(e.largest)},
+                          {"returned", e.returned}});
+  }
+  for (const PushFigures& p : figures.pushes) {
+    pushes.push_back({{"time_s", number(p.push.time)},
+                      {"ball", p.push.ball},
+                      {"impulse_n_s", {p.push.impulse.x(), p.push.impulse.y()}},
+                      {"out_of_band_s", number(p.out_of_band)},
+                      {"largest_m", number(p.largest)},
+                      {"returned", p.returned}});
+  }
+  ordered_json ended;
+  if (figures.ended_in_band) ended = *figures.ended_in_band;
+  return {{"longest_s", number(figures.longest)},
+          {"largest_m", number(figures.largest)},
+          {"ended_in_band", ended},
+          {"excursions", excursions},
+          {"pushes", pushes}};
+}
+
+/// One line, empty where nothing was judged.
+std::string shown(const ExcursionFigures& figures) {
+  if (!figures.ended_in_band) return "";
+  std::string text =
+      fmt::format("{} times, longest {} s, farthest {} mm, {} at the end",
+                  figures.excursions.size(), shown(figures.longest, 1, 1),
+                  shown(figures.largest, 1e3, 0), *figures.ended_in_band ? "inside" : "OUTSIDE");
+  const auto returned = std::count_if(figures.pushes.begin(), figures.pushes.end(),
+                                      [](const PushFigures& push) { return push.returned; });
+  if (!figures.pushes.empty())
+    text += fmt::format(", back after {} of {} pushes", returned, figures.pushes.size());
+  return text;
+}
+
 }  // namespace
 
 bool all_met(const std::vector<CriterionResult>& criteria) {
@@ -66,6 +105,7 @@ ordered_json to_json(const Report& report) {
       {"ball", balls},
       {"judged", to_json(figures.judged)},
       {"path", path},
+      {"out_of_band", to_json(figures.out_of_band)},
       {"end_effector", {{"tracking_error_m", quantiles(figures.tracking_error)}}},
       {"planner",
        {{"rate_hz", number(figures.planner_rate)},
@@ -112,6 +152,7 @@ std::string summary(const Report& report) {
        fmt::format("{:.2f}{}", figures.turns,
                    loop_times.empty() ? "" : ", done in" + loop_times + " s"));
   for (const BallFigures& ball : figures.balls) line("ball to path", shown(ball));
+  if (const std::string out = shown(figures.out_of_band); !out.empty()) line("out of 2 cm", out);
   if (figures.path) {
     line("after 1 s, to held", shown(figures.path->held));
     line("to interpolated", shown(figures.path->interpolated));

@@ -92,6 +92,8 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.speed_limit = section.number("speed_limit_m_per_s", {0.01, 10});
   parameters.predict_ball = section.boolean("predict_ball");
   parameters.separate_overlap = section.boolean("separate_overlap");
+  if (section.has("table_below_ball"))
+    parameters.table_below_ball = section.boolean("table_below_ball");
   parameters.tilt = section.number("tool_tilt_rad", {0, 0.6});
 
   config::Section model = section.section("model");
@@ -128,6 +130,10 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
     parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1});
   if (heuristic.has("return_gap_m"))
     parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1});
+  if (heuristic.has("return_lead_s"))
+    parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1});
+  if (heuristic.has("target_reach_m"))
+    parameters.heuristic.target_reach = heuristic.number("target_reach_m", {1e-3, 1});
 
   config::Section approach = section.section("approach");
   parameters.approach.speed = approach.number("speed_m_per_s", {0.001, 1});

@@ -45,13 +45,18 @@ struct HeuristicParameters {
   double roll_duration;    // Phase I [s]
   double return_duration;  // Phase II [s], three equal parts: up, sideways, down
   double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
-  double return_back;  // Phase II: how far behind the ball, seen from its target [m]
+  double return_back;      // Phase II: how far behind the ball, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
   // Beyond Figure 10: Phase I ends early where the ball, once touched, has run away by this gap,
   // over which no force acts [m]
   double return_gap = std::numeric_limits<double>::infinity();
   // and where the end effector is farther than this from above the ball: it has slipped off [m]
   double roll_reach = std::numeric_limits<double>::infinity();
+  // Beyond Figure 10: Phase II is drawn to where the ball will be after this time [s]
+  double return_lead = 0.0;
+  // Beyond (25): the target is drawn no farther from the ball than this, so that one that was
+  // pushed away is brought back at the usual speed [m]
+  double target_reach = std::numeric_limits<double>::infinity();
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.
@@ -96,7 +101,10 @@ struct Parameters {
   double speed_limit;     // of the planned end effector [m/s]
   bool predict_ball;      // carry the estimated ball on to the time of the arm's state
   bool separate_overlap;  // move an estimated ball out of the end effector before linearising
-  double tilt;            // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
+  // the table is where the ball lies on it, whatever height the model says: a tilt moves it by
+  // millimetres
+  bool table_below_ball = false;
+  double tilt;  // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
 
 }  // namespace c3rt::planner

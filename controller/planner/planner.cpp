@@ -150,10 +150,23 @@ void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
   }
 }
 
+double Planner::lowered(Scene& scene, std::size_t worked) const noexcept {
+  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
+  const double rise = scene.balls[worked].p_WB.z() - ball_height;
+  scene.p_WE.z() -= rise;
+  for (Ball& ball : scene.balls) ball.p_WB.z() -= rise;
+  return rise;
+}
+
 Eigen::Vector2d Planner::target(const Input& input, double ahead,
                                 const Eigen::Vector2d& ball) const noexcept {
-  if (input.circle) return circle_target(*input.circle, ball);
-  return planner::target(parameters_.task, elapsed(input), ahead, ball);
+  const Eigen::Vector2d wanted =
+      input.circle ? circle_target(*input.circle, ball)
+                   : planner::target(parameters_.task, elapsed(input), ahead, ball);
+  const double reach = parameters_.heuristic.target_reach;
+  const Eigen::Vector2d way = wanted - ball;
+  if (way.norm() <= reach) return wanted;
+  return ball + reach * way.normalized();
 }
 
 double Planner::elapsed(const Input& input) const noexcept {
@@ -264,6 +277,7 @@ double Planner::delta_t_c(const Input& input) const noexcept {
 void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
   Scene x_hat = estimate(input);
+  const double rise = parameters_.table_below_ball ? lowered(x_hat, worked) : 0.0;
   const Eigen::Vector2d target_now = target(input, 0.0, x_hat.balls[worked].p_WB.head<2>());
   const Eigen::Vector2d e = target_now - x_hat.balls[worked].p_WB.head<2>();
 
@@ -290,8 +304,11 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
     }
   }
   phase_ = phase_at(parameters_.heuristic, input.now - c3_since_);
+  Eigen::Vector3d meeting = x_hat.balls[worked].p_WB;
+  if (phase_ != Phase::kRoll)
+    meeting.head<2>() += parameters_.heuristic.return_lead * x_hat.balls[worked].v_WB.head<2>();
   desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase_, x_hat.p_WE,
-                                     x_hat.balls[worked].p_WB, target_now);
+                                     meeting, target_now);
   for (int k = 0; k <= parameters_.N; ++k) {
     for (int i = 0; i < x_hat.ball_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
@@ -326,7 +343,7 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   }
   plan_.status = status == StepStatus::kTruncated ? PlanStatus::kTruncated : PlanStatus::kOk;
   if (status == StepStatus::kTruncated) ++counters_.truncated;
-  plan_.p_WE = result.p_WE;
+  plan_.p_WE = result.p_WE + rise * Eigen::Vector3d::UnitZ();
   plan_.v_WE = result.v_WE;
   const double speed = plan_.v_WE.norm();
   if (speed > parameters_.speed_limit) {

@@ -82,6 +82,9 @@ class Planner {
 
  private:
   Situation situation(const Input& input) const noexcept;
+  /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
+  /// it [m]
+  double lowered(Scene& scene, std::size_t worked) const noexcept;
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
   /// x̂: the balls at the time of the arm's state, out of the end effector.

@@ -47,6 +47,23 @@ TEST_CASE("the plant's section is read key by key") {
         0.01);
 }
 
+TEST_CASE("pushes and a hand that holds the ball may be asked for") {
+  const std::string pushes =
+      "pushes: {count: 3, from_s: 5, until_s: 50, impulse_min_n_s: 0.001, impulse_max_n_s: 0.01}\n";
+  CHECK(parse(kYaml).pushes.count == 0);
+  CHECK(parse(kYaml + pushes).pushes.count == 3);
+  CHECK(parse(kYaml + pushes).pushes.impulse_max == 0.01);
+  CHECK_FALSE(parse(kYaml).world.balls[0].held);
+  CHECK(parse(replaced("0.132}", "0.132, held: true}")).world.balls[0].held);
+  const auto wrong = [&](const std::string& from, const std::string& to) {
+    std::string text = kYaml + pushes;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  CHECK_THROWS_WITH(parse(wrong("until_s: 50", "until_s: 4")), Catch::Contains("until_s"));
+  CHECK_THROWS_WITH(parse(wrong("max_n_s: 0.01", "max_n_s: 0.0001")),
+                    Catch::Contains("impulse_max_n_s"));
+}
+
 TEST_CASE("a mistake in the plant's section is refused with its line and key") {
   CHECK_THROWS_WITH(parse(kYaml + "gravity: 9.81\n"), Catch::Contains("gravity"));
   CHECK_THROWS_WITH(parse(replaced("ball_ball: 0.3, ", "")), Catch::Contains("ball_ball"));

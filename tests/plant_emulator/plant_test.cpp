@@ -248,6 +248,25 @@ TEST_CASE(
   CHECK(plant.state().command_state_ns == 77);
 }
 
+TEST_CASE("a hand holds a ball on a tilted table until the end effector touches it") {
+  Parameters parameters = test_parameters();
+  parameters.world.table_tilt = {0.0175, 0.0};
+  const auto way_in_2_s = [&] {
+    Plant plant(parameters);
+    const Eigen::Vector3d start = plant.state().balls[0].p_WB;
+    run(plant, 2000);
+    return (plant.state().balls[0].p_WB - start).head<2>().norm();
+  };
+  // 5/7 g sin(1 degree) for 2 s
+  CHECK(way_in_2_s() == Approx(0.24).epsilon(0.05));
+  parameters.world.balls[0].held = true;
+  CHECK(way_in_2_s() < 1e-4);
+  // so large that it touches the tool from below
+  parameters.world.balls[0].position = {0.55, 0.0};
+  parameters.world.balls[0].radius = 0.0643;
+  CHECK(way_in_2_s() > 0.01);
+}
+
 TEST_CASE("a command that is not finite is refused with its own flag") {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

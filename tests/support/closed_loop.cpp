@@ -15,6 +15,8 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
     : scenario_(scenario),
       plant_(plant::drawn_start(scenario.plant, seed)),
       sensor_(scenario.vision.emulated, seed),
+      pushes_(plant::drawn_pushes(scenario.plant.pushes,
+                                  static_cast<int>(scenario.plant.world.balls.size()), seed)),
       planner_(scenario.planner),
       impedance_(scenario.impedance, model::Arm(impedance::urdf_of(scenario.impedance))),
       arm_(impedance::urdf_of(scenario.impedance)) {
@@ -93,6 +95,8 @@ void ClosedLoop::step_1ms() {
   input.plan = newest_plan_;
   output_ = impedance_.step(input);
   if (output_.mode != impedance::Mode::kWait) plant_.set_command(output_.tau, ++cycle_, now_ns_);
+  for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
+    plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
   plant_.step_1ms();
   now_ns_ += 1'000'000;
 }

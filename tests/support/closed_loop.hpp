@@ -39,6 +39,8 @@ class ClosedLoop {
   plant::Plant plant_;
   vision::EmulatedSensor sensor_;
   std::vector<vision::Estimator> estimators_;
+  std::vector<plant::Push> pushes_;
+  std::size_t pushed_ = 0;
   planner::Planner planner_;
   impedance::Controller impedance_;
   model::Arm arm_;

@@ -118,6 +118,27 @@ TEST_CASE("three cameras: a ball that was moved, or never seen, is found within 
   }
 }
 
+TEST_CASE("three cameras: rays find a ball that lies lower than the table is believed to be") {
+  Parameters p = parameters();
+  p.fusion.rays = true;
+  VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
+  ScenePose pose;
+  pose.q = {0, 0.275, 0, -2.222, 0, 2.497, 0};
+  pose.X_WB = {Eigen::Isometry3d::Identity()};
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(0.55, 0.1), Eigen::Vector2d(0.65, 0.0),
+                                       Eigen::Vector2d(0.55, -0.1), Eigen::Vector2d(0.45, 0.0)}) {
+    // as a tilt of one degree does at the edge of the circle
+    pose.X_WB[0].translation() << place.x(), place.y(), kTable + kRadius - 0.00175;
+    ++pose.exposure_ns;
+    rig.expose(pose);
+    const Sighting& seen =
+        tracker.observe(pose.exposure_ns, {{pose.X_WB[0].translation(), true}})[0];
+    REQUIRE(seen.fusion.found);
+    CHECK((seen.fusion.p_WB - pose.X_WB[0].translation()).norm() < 5e-4);
+  }
+}
+
 TEST_CASE("three cameras: a frame of another exposure is not delivered") {
   const Parameters p = parameters();
   VirtualCameras rig(world({{0.55, 0.1}}), p, 1);

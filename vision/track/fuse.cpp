@@ -1,5 +1,7 @@
 #include "vision/track/fuse.hpp"
 
+#include <Eigen/Cholesky>
+
 namespace c3rt::vision {
 
 Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d& p_expected,
@@ -28,6 +30,18 @@ Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d&
     }
   }
   return best;
+}
+
+Eigen::Vector3d meeting_point(const std::vector<Ray>& rays) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Ray& ray : rays) {
+    const Eigen::Matrix3d across =
+        Eigen::Matrix3d::Identity() - ray.direction * ray.direction.transpose();
+    normal += across;
+    right += across * ray.origin;
+  }
+  return normal.ldlt().solve(right);
 }
 
 }  // namespace c3rt::vision

@@ -7,7 +7,9 @@
 namespace c3rt::vision {
 
 struct FusionParameters {
-  double outlier;  // estimates farther apart than this do not agree [m]
+  double outlier;     // estimates farther apart than this do not agree [m]
+  bool rays = false;  // of two cameras or more: where their rays meet, not the mean of their
+                      // positions, so that the table's height need not be known
 };
 
 /// One camera's estimate of the ball's centre.
@@ -30,5 +32,17 @@ struct Fusion {
 /// `p_expected` is.
 Fusion fuse(const std::vector<CameraEstimate>& estimates, const Eigen::Vector3d& p_expected,
             const FusionParameters& parameters);
+
+/// A camera's centre and the direction in which it sees the ball's centre, in W.
+struct Ray {
+  Eigen::Vector3d origin;     // [m]
+  Eigen::Vector3d direction;  // unit
+};
+
+/// The point with the least sum of squared distances to the rays' lines; they must not all be
+/// parallel.
+///
+///   Σ (I − dᵢ dᵢᵀ) (p − oᵢ) = 0
+Eigen::Vector3d meeting_point(const std::vector<Ray>& rays);
 
 }  // namespace c3rt::vision

@@ -365,3 +365,37 @@ TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G 
   CHECK(u_with(std::nullopt, 0.005, 0.1) != u);
   CHECK(u_with(0.02, 0.005, 0.2) != u);
 }
+
+TEST_CASE("planner: a ball far from its path is brought back by targets near by") {
+  Parameters p = parameters();
+  p.heuristic.target_reach = 0.045;
+  Planner planner(p);
+  Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
+  const Eigen::Vector2d far(0.55, 0.2);
+  input.balls[0].ball.p_WB.head<2>() = far;
+  const Plan& plan = planner.step(input);
+  REQUIRE(plan.mode == Mode::kApproach);
+  CHECK((plan.ball_target.head<2>() - far).norm() == Approx(0.045));
+  // on the path nothing changes
+  CHECK((planner.step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).ball_target -
+         Planner(parameters()).step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).ball_target)
+            .norm() < 1e-12);
+}
+
+TEST_CASE("planner: where the table is lower below the ball, the whole plan is lower") {
+  const Vector3d lower(0.0, 0.0, -0.002);
+  const auto plan_at = [&](const Vector3d& offset) {
+    Parameters p = parameters();
+    p.table_below_ball = true;
+    Follower follower(p);
+    REQUIRE(follower.until(Mode::kRoll, 2000));
+    Input input = input_at(follower.now, follower.p_WE + offset);
+    input.v_WE = follower.v_WE;
+    input.balls[0].ball.p_WB += offset;
+    return follower.planner.step(input);
+  };
+  const Plan level = plan_at(Vector3d::Zero()), low = plan_at(lower);
+  REQUIRE(level.status == PlanStatus::kOk);
+  CHECK((low.p_WE - level.p_WE - lower).norm() < 1e-9);
+  CHECK((low.v_WE - level.v_WE).norm() < 1e-7);
+}

@@ -47,3 +47,18 @@ TEST_CASE("fuse: no camera, no position; one camera alone is used") {
   REQUIRE(fusion.found);
   REQUIRE(fusion.cameras_used == 1);
 }
+
+TEST_CASE("fuse: rays through a point meet there, and a small error of one moves it little") {
+  const Eigen::Vector3d p(0.5, 0.1, 0.03);
+  std::vector<c3rt::vision::Ray> rays;
+  for (const Eigen::Vector3d& origin :
+       {Eigen::Vector3d(1.2, 0, 0.7), Eigen::Vector3d(0.45, 0.75, 0.75),
+        Eigen::Vector3d(0.45, -0.75, 0.75)}) {
+    rays.push_back({origin, (p - origin).normalized()});
+  }
+  CHECK((c3rt::vision::meeting_point(rays) - p).norm() < 1e-12);
+  rays.resize(2);
+  CHECK((c3rt::vision::meeting_point(rays) - p).norm() < 1e-12);
+  rays[0].direction = (p + Eigen::Vector3d(0, 0.001, 0) - rays[0].origin).normalized();
+  CHECK((c3rt::vision::meeting_point(rays) - p).norm() < 1e-3);
+}

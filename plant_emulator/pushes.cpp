@@ -1,0 +1,35 @@
+#include "plant_emulator/pushes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace c3rt::plant {
+namespace {
+
+// the start of the balls is drawn from the same seed and shall not be the same numbers
+constexpr std::uint64_t kStream = 0x9E3779B97F4A7C15;
+
+}  // namespace
+
+std::vector<Push> drawn_pushes(const PushParameters& parameters, int balls, std::uint64_t seed) {
+  // the distributions of <random> differ between standard libraries
+  std::mt19937_64 engine(seed ^ kStream);
+  const auto uniform = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  constexpr double kTwoPi = 6.283185307179586476925;
+  const double piece = (parameters.until - parameters.from) / std::max(1, parameters.count);
+  std::vector<Push> pushes;
+  for (int i = 0; i < parameters.count; ++i) {
+    Push push{};
+    push.time = parameters.from + piece * (i + 0.5 * uniform());
+    push.ball = std::min(static_cast<int>(balls * uniform()), balls - 1);
+    const double size =
+        parameters.impulse_min + (parameters.impulse_max - parameters.impulse_min) * uniform();
+    const double angle = kTwoPi * uniform();
+    push.impulse = size * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    pushes.push_back(push);
+  }
+  return pushes;
+}
+
+}  // namespace c3rt::plant
