@@ -35,6 +35,7 @@ planner::LineTask load_line(Section& section) {
   line.step = section.number("step_m", {-0.2, 0.2});
   if (line.step == 0.0) section.fail("step_m", "a step that is not 0", "0");
   line.y_end = section.number("y_end_m", {-1, 1});
+  line.spacing = section.number("spacing_m", {0, 0.5});
   return line;
 }
 
@@ -75,6 +76,9 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
         {"path_error_rms_m", "path_error_rms_m"},
         {"path_error_p95_m", "path_error_p95_m"},
         {"path_error_max_m", "path_error_max_m"},
+        {"balls_arrived", "balls_arrived"},
+        {"arrival_error_max_m", "arrival_error_max_m"},
+        {"end_error_max_m", "end_error_max_m"},
         {"tracking_error_p95_m", "tracking_error_p95_m"},
         {"tracking_error_max_m", "tracking_error_max_m"},
         {"vision_error_p95_m", "vision_error_p95_m"}};

@@ -56,6 +56,29 @@ BallFigures ball_figures(const Series& series, const planner::Task& task, int ba
   return figures;
 }
 
+/// When and where one ball came past the end of the line, and where it ended up.
+void add_arrival(const Series& series, const planner::LineTask& line, int ball,
+                 std::int64_t start_ns, BallFigures& figures) {
+  for (const SceneRow& row : series.scene) {
+    if (row.time_ns < start_ns || ball >= row.ball_count) continue;
+    const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(ball)].head<2>();
+    figures.end_error = planner::path_error(line, 0.0, at);
+    if (std::isnan(figures.arrived_after) && planner::past_end(line, at.y())) {
+      figures.arrived_after = seconds(row.time_ns - start_ns);
+      figures.arrival_error = figures.end_error;
+    }
+  }
+}
+
+/// The largest of a figure over the balls; kNone where one ball has none.
+double largest(const std::vector<BallFigures>& balls, double BallFigures::*figure) {
+  double result = balls.empty() ? kNone : balls.front().*figure;
+  for (const BallFigures& ball : balls) {
+    if (!(result >= ball.*figure)) result = std::isnan(result) ? kNone : ball.*figure;
+  }
+  return result;
+}
+
 /// The worst of each figure over the balls; kNone where one ball has none.
 BallFigures worst_figures(const Series& series, const planner::Task& task, int balls,
                           std::int64_t start_ns, double judged_from) {
@@ -144,6 +167,10 @@ void add_course(const Series& series, const planner::Task& task,
   figures.turns = course.amount();
   for (int ball = 0; ball < balls; ++ball)
     figures.balls.push_back(ball_figures(series, task, ball, *start_ns, 0.0));
+  if (const auto* line = std::get_if<planner::LineTask>(&task)) {
+    for (int ball = 0; ball < balls; ++ball)
+      add_arrival(series, *line, ball, *start_ns, figures.balls[static_cast<std::size_t>(ball)]);
+  }
   const double from = course.judged_from();
   figures.judged = worst_figures(series, task, balls, *start_ns, from);
   figures.out_of_band = excursion_figures(series, task, from, pushes);
@@ -177,6 +204,9 @@ void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
     if (name == "path_error_rms_m") return figures.judged.rms_error;
     if (name == "path_error_p95_m") return figures.judged.p95_error;
     if (name == "path_error_max_m") return figures.judged.max_error;
+    if (name == "balls_arrived") return figures.unit == "balls" ? figures.turns : kNone;
+    if (name == "arrival_error_max_m") return largest(figures.balls, &BallFigures::arrival_error);
+    if (name == "end_error_max_m") return largest(figures.balls, &BallFigures::end_error);
     if (name == "tracking_error_p95_m") return figures.tracking_error.p95;
     if (name == "tracking_error_max_m") return figures.tracking_error.max;
     if (name == "vision_error_p95_m") return figures.vision_error.p95;

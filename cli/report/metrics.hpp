@@ -49,6 +49,10 @@ struct BallFigures {
   double max_error = kNone;    // [m]
   double in_band_2cm = kNone;  // share of the time
   double in_band_1cm = kNone;
+  // of a line alone
+  double arrived_after = kNone;  // first past its end, since the task began [s]
+  double arrival_error = kNone;  // distance to the line at that instant [m]
+  double end_error = kNone;      // and at the end of the recording [m]
 };
 
 /// The error of a path in time, from its first second on, whichever of the two the planner follows.

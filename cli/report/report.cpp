@@ -28,7 +28,10 @@ ordered_json to_json(const BallFigures& ball) {
           {"p95_error_m", number(ball.p95_error)},
           {"max_error_m", number(ball.max_error)},
           {"in_band_2cm", number(ball.in_band_2cm)},
-          {"in_band_1cm", number(ball.in_band_1cm)}};
+          {"in_band_1cm", number(ball.in_band_1cm)},
+          {"arrived_after_s", number(ball.arrived_after)},
+          {"arrival_error_m", number(ball.arrival_error)},
+          {"end_error_m", number(ball.end_error)}};
 }
 
 std::string shown(const BallFigures& ball) {
@@ -153,6 +156,13 @@ std::string summary(const Report& report) {
                    loop_times.empty() ? "" : ", done in" + loop_times + " s"));
   for (const BallFigures& ball : figures.balls) line("ball to path", shown(ball));
   if (const std::string out = shown(figures.out_of_band); !out.empty()) line("out of 2 cm", out);
+  if (figures.unit == "balls") {
+    for (const BallFigures& ball : figures.balls)
+      line("ball past the end",
+           fmt::format("after {} s, {} mm beside the line; at the end {} mm",
+                       shown(ball.arrived_after, 1, 1), shown(ball.arrival_error, kMilli, 1),
+                       shown(ball.end_error, kMilli, 1)));
+  }
   if (figures.path) {
     line("after 1 s, to held", shown(figures.path->held));
     line("to interpolated", shown(figures.path->interpolated));

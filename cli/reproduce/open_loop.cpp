@@ -149,7 +149,7 @@ Answers answer_with_c3(const std::vector<Question>& questions, const config::Sce
       step.want(k, question.desired[static_cast<std::size_t>(k)]);
     const double began = seconds_now();
     const planner::StepStatus status =
-        step.step(question.scene, question.rolling, 1.0 / scenario.planner.rate, {});
+        step.step(question.scene, question.rolling, 0, 1.0 / scenario.planner.rate, {});
     answers.times.push_back(seconds_now() - began);
     answers.costs.push_back(kNone);
     if (status == planner::StepStatus::kFailed) continue;
@@ -180,7 +180,7 @@ MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
     const double began = seconds_now();
     // the modes that C3's inputs lead to are a first answer
     std::optional<horizon::Plan> known;
-    if (step.step(question.scene, question.rolling, 1.0 / judge.planner.rate, {}) !=
+    if (step.step(question.scene, question.rolling, 0, 1.0 / judge.planner.rate, {}) !=
         planner::StepStatus::kFailed) {
       const Eigen::MatrixXd u =
           step.result().solution->z.bottomRows(problem.sizes.n_u).leftCols(problem.sizes.N);

@@ -48,7 +48,8 @@ std::unique_ptr<PlanningModel> make_model(const Parameters& parameters) {
   return parameters.balls == 1 ? make_one_ball(parameters) : make_several_balls(parameters);
 }
 
-c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool has_gamma) {
+c3::Costs costs_of(const PlanningModel& model, PhaseWeights weights, bool has_gamma, int ball) {
+  std::swap(weights.Q_ball_xy[0], weights.Q_ball_xy[static_cast<std::size_t>(ball)]);
   const int n_x = model.n_x();
   const int n_lambda = n_lambda_of(model.n_c(Contacts::kPlanned), has_gamma);
   const int n_z = n_x + n_lambda + kInputs;
@@ -87,17 +88,19 @@ C3Step::C3Step(const Parameters& parameters)
       dt_(parameters.dt),
       model_(make_model(parameters)),
       n_lambda_(n_lambda_of(model_->n_c(Contacts::kPlanned), stewart_trinkle_)),
-      roll_(costs_of(*model_, parameters.roll, stewart_trinkle_)),
-      back_(costs_of(*model_, parameters.back, stewart_trinkle_)),
       solver_({model_->n_x(), n_lambda_, kInputs, parameters.N}, parameters.c3),
       lemke_(n_lambda_of(model_->n_c(Contacts::kAll), true)),
       x_desired_(Eigen::MatrixXd::Zero(model_->n_x(), parameters.N + 1)),
       x_hat_(model_->n_x()),
       x_next_(model_->n_x()) {
   result_.lambda_d = Eigen::VectorXd::Zero(lemke_.size());
+  for (int ball = 0; ball < parameters.balls; ++ball) {
+    roll_.push_back(costs_of(*model_, parameters.roll, stewart_trinkle_, ball));
+    back_.push_back(costs_of(*model_, parameters.back, stewart_trinkle_, ball));
+  }
   // refuses unusable weights at the start, not in the loop
-  use(back_);
-  use(roll_);
+  use(back_[0]);
+  use(roll_[0]);
 }
 
 void C3Step::use(const c3::Costs& costs) {
@@ -105,7 +108,7 @@ void C3Step::use(const c3::Costs& costs) {
   in_use_ = &costs;
 }
 
-StepStatus C3Step::step(const Scene& x_hat, bool rolling, double delta_t_c,
+StepStatus C3Step::step(const Scene& x_hat, bool rolling, int ball, double delta_t_c,
                         const c3::Deadline& deadline) noexcept {
   // step 2: the LCS about x̂
   model_->state(x_hat, x_hat_);
@@ -118,7 +121,7 @@ StepStatus C3Step::step(const Scene& x_hat, bool rolling, double delta_t_c,
   result_.force_scale = stewart_trinkle_ ? scale : scale / dt_;
 
   // step 3: Algorithm 1
-  use(rolling ? roll_ : back_);
+  use((rolling ? roll_ : back_)[static_cast<std::size_t>(ball)]);
   const c3::Solution& solution = solver_.solve(planning, x_hat_, x_desired_, deadline);
   result_.solution = &solution;
   if (solution.status == c3::SolveStatus::kFailed) return StepStatus::kFailed;

@@ -1,6 +1,7 @@
 #pragma once
 // Algorithm 3, steps 2 to 5: from x̂ and what is wanted of it to (x_d, λ_d).
 #include <memory>
+#include <vector>
 
 #include "controller/c3/solver.hpp"
 #include "controller/lcs/lemke.hpp"
@@ -29,7 +30,8 @@ struct StepResult {
 std::unique_ptr<PlanningModel> make_model(const Parameters& parameters);
 
 /// What Algorithm 1 weighs in one phase. @param has_gamma Stewart and Trinkle's λ, else Anitescu's
-c3::Costs costs_of(const PlanningModel& model, const PhaseWeights& weights, bool has_gamma);
+/// @param ball that is worked on: it and the first one change their weights
+c3::Costs costs_of(const PlanningModel& model, PhaseWeights weights, bool has_gamma, int ball = 0);
 
 class C3Step {
  public:
@@ -46,7 +48,8 @@ class C3Step {
   }
 
   /// @param rolling Phase I of the heuristic, else Phase II: whose weights hold
-  StepStatus step(const Scene& x_hat, bool rolling, double delta_t_c,
+  /// @param ball that the heuristic works on: the first of the weights per ball is its
+  StepStatus step(const Scene& x_hat, bool rolling, int ball, double delta_t_c,
                   const c3::Deadline& deadline) noexcept;
 
   const StepResult& result() const noexcept { return result_; }
@@ -58,7 +61,7 @@ class C3Step {
   double dt_;
   std::unique_ptr<PlanningModel> model_;
   int n_lambda_;
-  c3::Costs roll_, back_;
+  std::vector<c3::Costs> roll_, back_;  // by the ball that is worked on
   const c3::Costs* in_use_ = nullptr;
   c3::Solver solver_;
   lcs::Lemke lemke_;

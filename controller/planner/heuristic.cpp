@@ -11,16 +11,49 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
   return part < 1.0 ? Phase::kReturnUp : part < 2.0 ? Phase::kReturnSideways : Phase::kReturnDown;
 }
 
-int ball_to_work_on(const Task& task, const Scene& scene) {
+int balls_behind(const LineTask& task, const Scene& scene, int ball) {
+  const double forward = task.step < 0.0 ? -1.0 : 1.0;
+  const auto place = [&](int i) {
+    return forward * scene.balls[static_cast<std::size_t>(i)].p_WB.y();
+  };
+  int behind = 0;
+  for (int i = 0; i < scene.ball_count; ++i) behind += place(i) < place(ball) ? 1 : 0;
+  return behind;
+}
+
+int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, const Scene& scene,
+                    int now) {
   const auto* line = std::get_if<LineTask>(&task);
   if (line == nullptr) return 0;
   const double forward = line->step < 0.0 ? -1.0 : 1.0;
-  int last = 0;
-  for (int i = 1; i < scene.ball_count; ++i) {
-    const auto y = [&](int ball) { return scene.balls[static_cast<std::size_t>(ball)].p_WB.y(); };
-    if (forward * y(i) < forward * y(last)) last = i;
+  Scene ahead = scene;
+  for (Ball& ball : ahead.balls) ball.p_WB += parameters.look_ahead * ball.v_WB;
+  const auto place = [&](int ball) -> Eigen::Vector2d {
+    return ahead.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
+  };
+  const auto way = [&](int ball) {
+    return std::abs(way_to_go(*line, place(ball), balls_behind(*line, ahead, ball))) +
+           parameters.beside_weight * std::abs(place(ball).x() - line->x);
+  };
+  int chosen = now;
+  for (int i = 0; i < scene.ball_count; ++i) {
+    if (way(i) > way(chosen) + (chosen == now ? parameters.change_margin : 0.0)) chosen = i;
   }
-  return last;
+  // at most each ball once: what is in the way lies ahead
+  for (int turn = 1; turn < scene.ball_count; ++turn) {
+    int in_the_way = chosen;
+    double nearest = parameters.room_ahead;
+    for (int i = 0; i < scene.ball_count; ++i) {
+      const Eigen::Vector2d apart = place(i) - place(chosen);
+      if (forward * apart.y() > 0.0 && apart.norm() < nearest) {
+        in_the_way = i;
+        nearest = apart.norm();
+      }
+    }
+    if (in_the_way == chosen) break;
+    chosen = in_the_way;
+  }
+  return chosen;
 }
 
 Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters,

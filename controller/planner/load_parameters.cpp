@@ -135,6 +135,13 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   if (heuristic.has("target_reach_m"))
     parameters.heuristic.target_reach = heuristic.number("target_reach_m", {1e-3, 1});
 
+  if (balls > 1) {
+    parameters.heuristic.look_ahead = heuristic.number("look_ahead_s", {0, 10});
+    parameters.heuristic.beside_weight = heuristic.number("beside_weight", {0, 100});
+    parameters.heuristic.change_margin = heuristic.number("change_margin_m", {0, 1});
+    parameters.heuristic.room_ahead = heuristic.number("room_ahead_m", {0, 1});
+  }
+
   config::Section approach = section.section("approach");
   parameters.approach.speed = approach.number("speed_m_per_s", {0.001, 1});
   parameters.approach.safe_height = approach.number("safe_height_m", {0.05, 0.5});

@@ -18,7 +18,7 @@ namespace c3rt::planner {
 /// docs/math.md).
 struct PhaseWeights {
   double Q_end_effector, Q_end_effector_velocity;
-  std::vector<double> Q_ball_xy;     // one per ball
+  std::vector<double> Q_ball_xy;     // of the ball that is worked on, then of the others
   double Q_ball_z, Q_ball_velocity;  // z: of one ball alone
   double R;
   double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential;
@@ -57,6 +57,11 @@ struct HeuristicParameters {
   // Beyond (25): the target is drawn no farther from the ball than this, so that one that was
   // pushed away is brought back at the usual speed [m]
   double target_reach = std::numeric_limits<double>::infinity();
+  // of several balls: which one is worked on
+  double look_ahead;     // the balls are looked at where they roll to in this time [s]
+  double beside_weight;  // a ball counts as this much behind, times its distance from the line
+  double change_margin;  // another ball has to be worse off by this much [m]
+  double room_ahead;     // a ball with another one ahead and nearer than this has no room [m]
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.

@@ -40,6 +40,7 @@ Mode next(Mode mode, const Situation& situation) {
       return situation.start_pose_reached ? Mode::kReturn : Mode::kApproach;
     case Mode::kRoll:
     case Mode::kReturn:
+      if (situation.other_ball) return Mode::kApproach;
       return situation.returning ? Mode::kReturn : Mode::kRoll;
   }
   return Mode::kHold;
@@ -83,7 +84,13 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
   advance_phase(input, in_c3 && c3_since_ >= 0.0);
-  const Situation known = situation(input);
+  Situation known = situation(input);
+  // one ball for a whole cycle: half-way to another one nothing is gained
+  const int worked = ball_;
+  const bool cycle_ended = mode_ == Mode::kRoll && phase_ != Phase::kRoll;
+  if (known.balls_at_hand && (mode_ == Mode::kWait || mode_ == Mode::kHold || cycle_ended))
+    ball_ = ball_to_work_on(parameters_.heuristic, parameters_.task, estimate(input), ball_);
+  known.other_ball = in_c3 && ball_ != worked;
 
   const Mode previous = mode_;
   mode_ = next(mode_, known);
@@ -98,9 +105,6 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       c3_since_ = input.now;
       if (task_since_ < 0.0) task_since_ = input.now;
     }
-    // one ball for a whole cycle: half-way to another one nothing is gained
-    if (mode_ == Mode::kApproach || (mode_ == Mode::kReturn && previous == Mode::kRoll))
-      ball_ = ball_to_work_on(parameters_.task, estimate(input));
     if (in_c3 && !known.balls_at_hand) ++counters_.ball_lost;
   }
 
@@ -158,15 +162,18 @@ double Planner::lowered(Scene& scene, std::size_t worked) const noexcept {
   return rise;
 }
 
-Eigen::Vector2d Planner::target(const Input& input, double ahead,
-                                const Eigen::Vector2d& ball) const noexcept {
+Eigen::Vector2d Planner::target(const Input& input, double ahead, const Scene& scene,
+                                int ball) const noexcept {
+  const Eigen::Vector2d at = scene.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
+  const auto* line = std::get_if<LineTask>(&parameters_.task);
   const Eigen::Vector2d wanted =
-      input.circle ? circle_target(*input.circle, ball)
-                   : planner::target(parameters_.task, elapsed(input), ahead, ball);
+      input.circle ? circle_target(*input.circle, at)
+      : line       ? line_target(*line, at, balls_behind(*line, scene, ball))
+                   : planner::target(parameters_.task, elapsed(input), ahead, at);
   const double reach = parameters_.heuristic.target_reach;
-  const Eigen::Vector2d way = wanted - ball;
+  const Eigen::Vector2d way = wanted - at;
   if (way.norm() <= reach) return wanted;
-  return ball + reach * way.normalized();
+  return at + reach * way.normalized();
 }
 
 double Planner::elapsed(const Input& input) const noexcept {
@@ -240,7 +247,7 @@ void Planner::approach(const Input& input) noexcept {
   (void)advance_reference(input, near ? reference_ : goal);
   hold(reference_);
   plan_.v_WE = reference_velocity_;
-  plan_.ball_target << target(input, 0.0, p_WB.head<2>()), p_WB.z();
+  plan_.ball_target << target(input, 0.0, estimate(input), ball_), p_WB.z();
   if ((input.p_WE - start).norm() > tolerance) {
     settled_since_ = -1.0;
   } else if (settled_since_ < 0.0) {
@@ -278,7 +285,8 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
   Scene x_hat = estimate(input);
   const double rise = parameters_.table_below_ball ? lowered(x_hat, worked) : 0.0;
-  const Eigen::Vector2d target_now = target(input, 0.0, x_hat.balls[worked].p_WB.head<2>());
+  const Scene seen = x_hat;
+  const Eigen::Vector2d target_now = target(input, 0.0, seen, ball_);
   const Eigen::Vector2d e = target_now - x_hat.balls[worked].p_WB.head<2>();
 
   // what is wanted: the balls at their targets and the end effector where the heuristic draws it
@@ -289,14 +297,12 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   for (Ball& ball : desired.balls)
     ball = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
             Eigen::Quaterniond::Identity()};
-  std::array<Eigen::Vector2d, kMaxBalls> seen_at;
-  for (std::size_t i = 0; i < seen_at.size(); ++i) seen_at[i] = x_hat.balls[i].p_WB.head<2>();
 
   // Algorithm 3, step 1: x̂
   if (parameters_.separate_overlap) {
     for (int i = 0; i < x_hat.ball_count; ++i) {
       Ball& ball = x_hat.balls[static_cast<std::size_t>(i)];
-      const Eigen::Vector2d way = target(input, 0.0, ball.p_WB.head<2>()) - ball.p_WB.head<2>();
+      const Eigen::Vector2d way = target(input, 0.0, seen, i) - ball.p_WB.head<2>();
       model::BallState state{x_hat.p_WE, ball.q_WB,     ball.p_WB,
                              x_hat.v_WE, ball.omega_WB, ball.v_WB};
       model::separate(parameters_.model, Eigen::Vector3d(way.x(), way.y(), 0.0), state);
@@ -313,7 +319,7 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
     for (int i = 0; i < x_hat.ball_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
       const double ahead = k * parameters_.dt;
-      desired.balls[ball].p_WB << target(input, ahead, seen_at[ball]), ball_height;
+      desired.balls[ball].p_WB << target(input, ahead, seen, i), ball_height;
       const Eigen::Vector2d v = input.circle
                                     ? Eigen::Vector2d(Eigen::Vector2d::Zero())
                                     : target_velocity(parameters_.task, elapsed(input), ahead);
@@ -331,7 +337,8 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
   plan_.delta_t_c = delta_t_c(input);
 
   // steps 2 to 5
-  const StepStatus status = step_.step(x_hat, phase_ == Phase::kRoll, plan_.delta_t_c, deadline);
+  const StepStatus status =
+      step_.step(x_hat, phase_ == Phase::kRoll, ball_, plan_.delta_t_c, deadline);
   const StepResult& result = step_.result();
   const c3::Solution& solution = *result.solution;
   counters_.branch_nodes += static_cast<std::uint64_t>(solution.branch_nodes);

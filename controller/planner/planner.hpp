@@ -24,6 +24,7 @@ struct Situation {
   bool hold_requested;      // a client asks to hold
   bool start_pose_reached;  // the approach has settled above a ball
   bool returning;           // Phase II of the heuristic
+  bool other_ball;          // a cycle has ended and the next one is another ball's
 };
 Mode next(Mode mode, const Situation& situation);
 
@@ -85,14 +86,16 @@ class Planner {
   /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
   /// it [m]
   double lowered(Scene& scene, std::size_t worked) const noexcept;
+
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
-  /// x̂: the balls at the time of the arm's state, out of the end effector.
   void advance_phase(const Input& input, bool in_c3) noexcept;
+  /// The balls at the time of the arm's state.
   Scene estimate(const Input& input) const noexcept;
   double delta_t_c(const Input& input) const noexcept;
-  Eigen::Vector2d target(const Input& input, double ahead,
-                         const Eigen::Vector2d& ball) const noexcept;
+  /// x_d^b of a ball of the scene.
+  Eigen::Vector2d target(const Input& input, double ahead, const Scene& scene,
+                         int ball) const noexcept;
   double elapsed(const Input& input) const noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;
   bool advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept;

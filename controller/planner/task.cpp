@@ -48,13 +48,27 @@ bool past_end(const LineTask& task, double y) noexcept {
   return task.step < 0.0 ? y <= task.y_end : y >= task.y_end;
 }
 
+double way_to_go(const LineTask& task, const Eigen::Vector2d& ball, int behind) noexcept {
+  const double forward = task.step < 0.0 ? -1.0 : 1.0;
+  // a step past the end, so that it is passed and not approached
+  return forward * (task.y_end + task.step - ball.y()) + behind * task.spacing;
+}
+
+Eigen::Vector2d line_target(const LineTask& task, const Eigen::Vector2d& ball,
+                            int behind) noexcept {
+  const double pace = std::abs(task.step), forward = task.step < 0.0 ? -1.0 : 1.0;
+  const auto paced = [pace](double way) { return std::min(std::max(way, -pace), pace); };
+  return ball +
+         Eigen::Vector2d(paced(task.x - ball.x()), forward * paced(way_to_go(task, ball, behind)));
+}
+
 Eigen::Vector2d target(const Task& task, double elapsed, double ahead,
                        const Eigen::Vector2d& ball) noexcept {
   if (const auto* circle = std::get_if<CircleTask>(&task)) return circle_target(*circle, ball);
   if (const auto* path = std::get_if<PathTask>(&task))
     return path_point(*path, elapsed + path->lead + (path->preview ? ahead : 0.0));
   const auto& line = *std::get_if<LineTask>(&task);
-  return {line.x, ball.y() + line.step};
+  return line_target(line, ball, 0);
 }
 
 Eigen::Vector2d target_velocity(const Task& task, double elapsed, double ahead) noexcept {

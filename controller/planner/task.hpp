@@ -30,12 +30,14 @@ struct PathTask {
                  // + lead) at rest
 };
 
-/// State-based, for several balls: every ball along one line of constant x, a step of y at a time,
-/// until all are past its end. Source: [C3, section VII-B].
+/// State-based, for several balls: every ball along one line of constant x, a pace at a time, to a
+/// place of its own past the end: the last ball just past it, each one ahead of it farther by the
+/// spacing. Source: [C3, section VII-B], where the balls have no place to stop.
 struct LineTask {
-  double x;      // of the line, in W [m]
-  double step;   // of y from where the ball is; its sign is the line's direction [m]
-  double y_end;  // where a ball has arrived [m]
+  double x;        // of the line, in W [m]
+  double step;     // of y from where the ball is; its sign is the line's direction [m]
+  double y_end;    // where a ball has arrived [m]
+  double spacing;  // of the places where the balls come to rest, positive [m]
 };
 
 using Task = std::variant<CircleTask, PathTask, LineTask>;
@@ -58,6 +60,13 @@ double round_duration(const PathTask& task) noexcept;
 
 /// Whether a ball at y has arrived.
 bool past_end(const LineTask& task, double y) noexcept;
+
+/// How far the ball has to go along the line, negative if it is past its place [m].
+/// @param behind how many balls are behind it
+double way_to_go(const LineTask& task, const Eigen::Vector2d& ball, int behind) noexcept;
+
+/// x_d^b of the ball: no farther than a pace away, along the line and towards it.
+Eigen::Vector2d line_target(const LineTask& task, const Eigen::Vector2d& ball, int behind) noexcept;
 
 /// Where the planner draws a ball to at a stage of its horizon, in W [m].
 /// @param elapsed since the task began [s]  @param ahead of the stage [s]

@@ -38,7 +38,7 @@ const std::string kPath =
     "task: {kind: path, points_m: [[0.5, 0], [0.6, 0.1]], interval_s: 2, between: hold, "
     "lead_s: 0.1, preview: true, loops: 3, duration_s: 20}";
 const std::string kLine =
-    "task: {kind: line, x_m: 0.55, step_m: -0.01, y_end_m: -0.1, duration_s: 20}";
+    "task: {kind: line, x_m: 0.55, step_m: -0.01, y_end_m: -0.1, spacing_m: 0.08, duration_s: 20}";
 
 }  // namespace
 
@@ -112,6 +112,7 @@ TEST_CASE("scenario: each kind of task is read, and the planner has the same") {
   CHECK(line.x == 0.55);
   CHECK(line.step == -0.01);
   CHECK(line.y_end == -0.1);
+  CHECK(line.spacing == 0.08);
 }
 
 TEST_CASE("scenario: a task's keys are those of its kind alone") {
@@ -132,6 +133,36 @@ TEST_CASE("scenario: a task's keys are those of its kind alone") {
                         Contains("at place 2"));
   CHECK_THROWS_WITH(with_task("task: {kind: path, points_m: [[0.5, 0]]}"),
                     Contains("task.points_m: expected a list of 2 to 1000"));
+}
+
+TEST_CASE("scenario: several balls have weights, contacts and friction of their own") {
+  const auto error = [](const std::vector<std::string>& overrides) -> std::string {
+    try {
+      (void)load_scenario(kFolder + "two_balls.yaml", overrides);
+    } catch (const c3rt::config::ConfigError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const auto planner = load_scenario(kFolder + "two_balls.yaml").planner;
+  CHECK(planner.balls == 2);
+  CHECK(planner.pairs.size() == 3);
+  REQUIRE(planner.roll.Q_ball_xy.size() == 2);
+  CHECK(load_scenario(kFolder + "two_balls.yaml", {"planner.weights.roll.Q.ball_xy=7"})
+            .planner.roll.Q_ball_xy == std::vector<double>{7.0, 7.0});
+  CHECK_THAT(error({"planner.weights.roll.Q.ball_xy=[1, 2, 3]"}),
+             Contains("planner.weights.roll.Q.ball_xy: expected a list of 2 numbers"));
+  CHECK_THAT(error({"planner.weights.roll.Q.ball_xy=heavy"}),
+             Contains("planner.weights.roll.Q.ball_xy: expected a number in") &&
+                 Contains("or a list of 2 of them"));
+  CHECK_THAT(error({"planner.model.friction_balls=-1"}), Contains("planner.model.friction_balls"));
+  CHECK_THAT(error({"planner.heuristic.room_ahead_m=2"}),
+             Contains("planner.heuristic.room_ahead_m: expected a number in [0, 1]"));
+  CHECK_THAT(error({"task.spacing_m=-1"}), Contains("task.spacing_m: expected a number in"));
+  CHECK_THAT(error({"planner.model.contacts={end_effector_ball: false, ball_ball: false}"}),
+             Contains("planner.model.contacts: expected at least one pair that is true"));
+  CHECK_THAT(error({"planner.model.contacts={end_effector_ball: true, ball_table: true}"}),
+             Contains("planner.model.contacts.ball_ball: missing"));
 }
 
 TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {

@@ -202,7 +202,7 @@ TEST_CASE("criteria on a path look at the time after its first second") {
 }
 
 TEST_CASE("a line is done when all balls are past its end, and the worst ball is judged") {
-  const c3rt::planner::LineTask line{0.55, -0.01, -0.1};
+  const c3rt::planner::LineTask line{0.55, -0.01, -0.1, 0.08};
   Series series;
   series.plan.push_back({0, 0, 0, true, false, false, 0.001});
   for (int i = 0; i <= 1000; ++i) {  // both at 0.05 m/s; the second is 0.1 m behind and 5 mm beside
@@ -213,16 +213,29 @@ TEST_CASE("a line is done when all balls are past its end, and the worst ball is
     row.p_WB[1] = {0.555, 0.2 - 0.0005 * i, 0.0};
     series.scene.push_back(row);
   }
-  const Figures figures = evaluate(series, line, {{"path_error_max_m", {}, 0.004}});
+  const Figures figures = evaluate(series, line,
+                                   {{"path_error_max_m", {}, 0.004},
+                                    {"arrival_error_max_m", {}, 0.0051},
+                                    {"end_error_max_m", {}, 0.004},
+                                    {"balls_arrived", 2.0, {}}});
   CHECK(figures.loops_completed == 1);
   CHECK(figures.turns == 2.0);
   REQUIRE(figures.loop_times.size() == 1);
   CHECK(figures.loop_times[0] == Approx(6.0).margin(0.011));  // 0.3 m at 0.05 m/s
   CHECK(figures.judged.max_error == Approx(0.005));
   CHECK_FALSE(figures.criteria.at(0).met);
+  CHECK(figures.balls.at(0).arrived_after == Approx(4.0).margin(0.011));
+  CHECK(figures.balls.at(1).arrived_after == Approx(6.0).margin(0.011));
+  CHECK(figures.balls.at(1).arrival_error == Approx(0.005));
+  CHECK(figures.criteria.at(1).met);
+  CHECK_FALSE(figures.criteria.at(2).met);
+  CHECK(figures.criteria.at(3).met);
 
   for (SceneRow& row : series.scene) row.p_WB[1].y() = 0.2;  // the second stays
-  const Figures stuck = evaluate(series, line, {});
+  const Figures stuck =
+      evaluate(series, line, {{"arrival_error_max_m", {}, 1.0}, {"balls_arrived", 2.0, {}}});
+  CHECK_FALSE(stuck.criteria.at(0).met);  // one has no arrival
+  CHECK_FALSE(stuck.criteria.at(1).met);
   CHECK(stuck.loops_completed == 0);
   CHECK(stuck.turns == 1.0);
 }

@@ -83,3 +83,27 @@ TEST_CASE(
   CHECK(visited.sizes().x() > 0.09);
   CHECK(visited.sizes().y() > 0.19);
 }
+
+TEST_CASE("closed loop: two balls are brought along the line, past its end and near it") {
+  const config::Scenario scenario =
+      config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/two_balls.yaml");
+  const auto& line = std::get<planner::LineTask>(scenario.task.motion);
+  for (const std::uint64_t seed : {1, 2}) {
+    CAPTURE(seed);
+    test::ClosedLoop loop(scenario, seed);
+    const auto ball = [&](std::size_t i) { return loop.plant().state().balls[i].p_WB; };
+    double beside[2] = {0.0, 0.0};  // until each has arrived
+    bool arrived = false;
+    while (!arrived && loop.time() < 40.0) {
+      loop.step_1ms();
+      arrived = true;
+      for (const std::size_t i : {0, 1}) {
+        if (planner::past_end(line, ball(i).y())) continue;
+        arrived = false;
+        beside[i] = std::abs(ball(i).x() - line.x);
+      }
+    }
+    CHECK(arrived);
+    CHECK(std::max(beside[0], beside[1]) < 0.03);
+  }
+}

@@ -1,6 +1,7 @@
 #include "controller/planner/heuristic.hpp"
 
 #include <cmath>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -11,7 +12,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
-const HeuristicParameters kHeuristic{1.0, 0.5, 0.004, 0.02, {0.0951, 0.0911, 0.0691}};
+const HeuristicParameters kHeuristic{1.0, 0.5, 0.004, 0.02, {0.0951, 0.0911, 0.0691}, 0.01, 0.03,
+                                     1.0, 1.0, 0.03,  0.1};
 const c3rt::model::BallModelParameters kModel{0.01, 0.0195, 0.132, 0.0315, -0.0245, 1.0, 1.0};
 }  // namespace
 
@@ -48,7 +50,7 @@ TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
 
 TEST_CASE("planner mode: what comes next in every situation") {
   const auto situation = [](bool state, bool ball, bool hold, bool reached, bool returning) {
-    return Situation{state, ball, hold, reached, returning};
+    return Situation{state, ball, hold, reached, returning, false};
   };
   for (const Mode mode : {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kHold}) {
     CHECK(next(mode, situation(false, true, false, true, false)) == Mode::kWait);
@@ -62,4 +64,58 @@ TEST_CASE("planner mode: what comes next in every situation") {
   CHECK(next(Mode::kReturn, situation(true, true, false, false, true)) == Mode::kReturn);
   CHECK(next(Mode::kReturn, situation(true, true, false, false, false)) == Mode::kRoll);
   CHECK(next(Mode::kRoll, situation(true, true, false, false, true)) == Mode::kReturn);
+  // to another ball through the air
+  CHECK(next(Mode::kRoll, {true, true, false, false, true, true}) == Mode::kApproach);
+  CHECK(next(Mode::kRoll, {true, false, false, false, true, true}) == Mode::kHold);
+}
+
+namespace {
+const LineTask kLine{0.55, -0.01, -0.1, 0.08};
+
+Scene balls_at(const std::vector<Vector2d>& places) {
+  Scene scene{};
+  scene.ball_count = static_cast<int>(places.size());
+  for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+    const Vector2d at = i < places.size() ? places[i] : Vector2d::Zero();
+    scene.balls[i] = {
+        {at.x(), at.y(), 0.0}, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()};
+  }
+  return scene;
+}
+
+int choice(const Scene& scene, int now) { return ball_to_work_on(kHeuristic, kLine, scene, now); }
+}  // namespace
+
+TEST_CASE("heuristic: along a line the ball that is farthest behind is worked on") {
+  CHECK(choice(balls_at({{0.55, 0.2}, {0.55, 0.05}}), 1) == 0);
+  CHECK(choice(balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 1);
+  CHECK(choice(balls_at({{0.55, 0.0}, {0.55, 0.13}, {0.55, 0.26}, {0.55, -0.13}}), 0) == 2);
+  CHECK(ball_to_work_on(kHeuristic, CircleTask{{0.55, 0.0}, 0.1, 0.3},
+                        balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 0);
+}
+
+TEST_CASE("heuristic: a ball in the way of the one behind it goes first") {
+  // 73 mm ahead, as the balls of the paper begin: rolling into it would jam both
+  CHECK(choice(balls_at({{0.55, 0.1}, {0.55, 0.027}}), 0) == 1);
+  // and the one in that one's way before both
+  CHECK(choice(balls_at({{0.55, 0.1}, {0.55, 0.03}, {0.55, -0.04}}), 0) == 2);
+  CHECK(choice(balls_at({{0.45, 0.1}, {0.55, 0.03}}), 0) == 0);  // beside it, not in the way
+}
+
+TEST_CASE("heuristic: a ball that strays from the line or rolls past its place is looked after") {
+  // places at -0.11 and -0.19: of the first two the other is nearly there
+  CHECK(choice(balls_at({{0.55, -0.10}, {0.64, -0.19}}), 0) == 1);
+  Scene runaway = balls_at({{0.55, -0.10}, {0.55, -0.21}});
+  CHECK(choice(runaway, 0) == 0);
+  runaway.balls[1].v_WB.y() = -0.1;
+  CHECK(choice(runaway, 0) == 1);
+}
+
+TEST_CASE("heuristic: a change of balls has to be worth it") {
+  // the places are 80 mm apart: ways of 0.21 and 0.35 m, of which 0.12 m beside the line
+  const Scene scene = balls_at({{0.55, 0.1}, {0.67, 0.04}});
+  CHECK(choice(scene, 0) == 1);
+  const Scene alike = balls_at({{0.55, 0.1}, {0.56, 0.0}});  // 0.21 and 0.20 m
+  CHECK(choice(alike, 0) == 0);
+  CHECK(choice(alike, 1) == 1);
 }

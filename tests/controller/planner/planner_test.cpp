@@ -399,3 +399,88 @@ TEST_CASE("planner: where the table is lower below the ball, the whole plan is l
   CHECK((low.p_WE - level.p_WE - lower).norm() < 1e-9);
   CHECK((low.v_WE - level.v_WE).norm() < 1e-7);
 }
+
+namespace {
+
+Parameters several(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/" + name + ".yaml",
+                               overrides)
+      .planner;
+}
+
+/// Balls at rest 0.12 m apart on the line, so that none is in another's way.
+Input balls_input(const Parameters& p, double now, const Vector3d& p_WE, const Vector3d& v_WE) {
+  Input input = input_at(now, p_WE);
+  input.v_WE = v_WE;
+  for (int i = 0; i < p.balls; ++i) {
+    const Vector3d at(0.55, 0.1 - 0.12 * i, p.model.table_height + p.model.ball_radius);
+    input.balls[static_cast<std::size_t>(i)] = {
+        true, 0.0, {at, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()}};
+  }
+  return input;
+}
+
+}  // namespace
+
+TEST_CASE("planner: of several balls each has its states, each pair its forces") {
+  struct Sizes {
+    std::string scenario;
+    std::vector<std::string> overrides;
+    int n_x, n_lambda, n_lambda_d;
+  };
+  // [C3, VII-B]: 14 and 18 of two balls, 18 and 24 of three
+  for (const Sizes& sizes :
+       {Sizes{"two_balls", {}, 14, 18, 18},
+        Sizes{"three_balls", {"planner.model.contact_model=stewart_trinkle"}, 18, 36, 36},
+        Sizes{"three_balls", {"planner.model.contact_model=anitescu"}, 18, 24, 36},
+        Sizes{"two_balls", {"planner.model.contacts.ball_ball=false"}, 14, 12, 18}}) {
+    CAPTURE(sizes.scenario, sizes.n_lambda);
+    const Parameters p = several(sizes.scenario, sizes.overrides);
+    Planner planner(p);
+    const Plan& plan = planner.step(balls_input(p, 0.0, {0.55, 0.1, 0.1}, Vector3d::Zero()));
+    CHECK(plan.x.rows() == sizes.n_x);
+    CHECK(plan.lambda.rows() == sizes.n_lambda);
+    CHECK(plan.lambda_d.size() == sizes.n_lambda_d);
+  }
+}
+
+TEST_CASE("planner: several balls are planned for, the one behind is approached and worked on") {
+  const Parameters p = several("two_balls");
+  Planner planner(p);
+  Vector3d p_WE(0.55, 0.0, 0.08), v_WE = Vector3d::Zero();
+  double now = 0.0;
+  int planned = 0;
+  for (int i = 0; i < 600 && planned < 100; ++i, now += 1.0 / p.rate) {
+    const Plan& plan = planner.step(balls_input(p, now, p_WE, v_WE));
+    REQUIRE(finite(plan));
+    CHECK(plan.ball == 0);
+    if (plan.mode == Mode::kReturn || plan.mode == Mode::kRoll) {
+      ++planned;
+      CHECK(plan.status == PlanStatus::kOk);
+      CHECK((plan.ball_target.head<2>() - Eigen::Vector2d(0.55, 0.1 - 0.01)).norm() < 1e-12);
+    }
+    p_WE = plan.p_WE;
+    v_WE = plan.v_WE;
+  }
+  CHECK(planned == 100);
+}
+
+TEST_CASE("planner: one lost ball of several makes it hold, whichever it is") {
+  const Parameters p = several("three_balls");
+  for (const std::size_t lost : {0, 1, 2}) {
+    CAPTURE(lost);
+    Planner planner(p);
+    Input input = balls_input(p, 0.0, {0.55, 0.1, 0.1}, Vector3d::Zero());
+    CHECK(planner.step(input).mode == Mode::kApproach);
+    input.now = 0.02;
+    input.balls[lost].fresh = false;
+    CHECK(planner.step(input).mode == Mode::kHold);
+    input.now = 0.04;
+    input.balls[lost].fresh = true;
+    input.balls[lost].ball.p_WB.x() = 0.9;  // out of reach
+    CHECK(planner.step(input).mode == Mode::kHold);
+    input.now = 0.06;
+    input.balls[lost].ball.p_WB.x() = 0.55;
+    CHECK(planner.step(input).mode == Mode::kApproach);
+  }
+}

@@ -12,7 +12,7 @@ const CircleTask kCircle{{0.55, 0.0}, 0.1, 20.0 * M_PI / 180.0};
 // a square of 0.1 m, a corner every 2 s: 8 s a round
 const PathTask kSquare{
     {{0.5, -0.05}, {0.6, -0.05}, {0.6, 0.05}, {0.5, 0.05}}, 2.0, Between::kInterpolate, 0.0, true};
-const LineTask kLine{0.55, -0.01, -0.1};
+const LineTask kLine{0.55, -0.01, -0.1, 0.08};
 }  // namespace
 
 TEST_CASE("circle target: it lies on the circle, the lead ahead, clockwise seen from above") {
@@ -69,6 +69,20 @@ TEST_CASE("target: a path is looked at a lead ahead, and stage by stage only whe
   CHECK(target(path, 1.0, 0.4, ball) == path_point(kSquare, 1.3));
 }
 
+TEST_CASE(
+    "line: a ball is drawn a step along it and towards it, and no farther than its own place past "
+    "the end") {
+  CHECK((line_target(kLine, {0.552, 0.0}, 0) - Vector2d(0.55, -0.01)).norm() < 1e-15);
+  // the last ball's place is a step past the end, the others' are farther by the spacing each
+  CHECK((line_target(kLine, {0.55, -0.105}, 0) - Vector2d(0.55, -0.11)).norm() < 1e-15);
+  CHECK((line_target(kLine, {0.55, -0.105}, 1) - Vector2d(0.55, -0.115)).norm() < 1e-15);
+  CHECK((line_target(kLine, {0.55, -0.3}, 2) - Vector2d(0.55, -0.29)).norm() < 1e-15);
+  CHECK(way_to_go(kLine, {0.5, 0.0}, 1) == Approx(0.19));
+  const LineTask mirrored{0.55, 0.01, 0.1, 0.08};
+  CHECK((line_target(mirrored, {0.55, 0.105}, 1) - Vector2d(0.55, 0.115)).norm() < 1e-15);
+  CHECK(way_to_go(mirrored, {0.5, 0.0}, 1) == Approx(0.19));
+}
+
 TEST_CASE("target velocity: of a previewed path that moves, and of nothing else") {
   CHECK((target_velocity(kSquare, 0.5, 0.3) - Vector2d(0.05, 0.0)).norm() < 1e-12);
   CHECK((target_velocity(kSquare, 1.9, 0.3) - Vector2d(0.0, 0.05)).norm() < 1e-12);
@@ -86,7 +100,7 @@ TEST_CASE("target: state-based tasks do not depend on time") {
   const Vector2d ball(0.52, 0.07);
   for (const double t : {0.0, 3.0, 1e4}) {
     CHECK(target(kCircle, t, 0.5, ball) == circle_target(kCircle, ball));
-    CHECK((target(kLine, t, 0.5, ball) - Vector2d(0.55, 0.06)).norm() < 1e-15);
+    CHECK((target(kLine, t, 0.5, ball) - Vector2d(0.53, 0.06)).norm() < 1e-15);
   }
 }
 
@@ -94,7 +108,7 @@ TEST_CASE("line: a ball has arrived when it is past the end in the line's direct
   CHECK_FALSE(past_end(kLine, 0.0));
   CHECK(past_end(kLine, -0.1));
   CHECK(past_end(kLine, -0.2));
-  const LineTask other_way{0.55, 0.01, 0.1};
+  const LineTask other_way{0.55, 0.01, 0.1, 0.08};
   CHECK_FALSE(past_end(other_way, 0.0));
   CHECK(past_end(other_way, 0.11));
 }
