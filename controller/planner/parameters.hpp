@@ -58,10 +58,11 @@ struct HeuristicParameters {
   // pushed away is brought back at the usual speed [m]
   double target_reach = std::numeric_limits<double>::infinity();
   // of several balls: which one is worked on
-  double look_ahead;     // the balls are looked at where they roll to in this time [s]
-  double beside_weight;  // a ball counts as this much behind, times its distance from the line
-  double change_margin;  // another ball has to be worse off by this much [m]
-  double room_ahead;     // a ball with another one ahead and nearer than this has no room [m]
+  double look_ahead = 0.0;  // the balls are looked at where they roll to in this time [s]
+  double beside_weight =
+      0.0;  // a ball counts as this much behind, times its distance from the line
+  double change_margin = 0.0;  // another ball has to be worse off by this much [m]
+  double room_ahead = 0.0;     // a ball with another one ahead and nearer than this has no room [m]
 };
 
 /// The way to the start pose and the behaviour when the ball is lost.
