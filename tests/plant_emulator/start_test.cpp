@@ -9,8 +9,8 @@ namespace {
 
 Parameters two_balls(double first_spread, double second_spread) {
   Parameters parameters{};
-  parameters.world.balls = {{{0.55, 0.1}, 0.0315, 0.132, first_spread},
-                            {{0.45, -0.1}, 0.0315, 0.132, second_spread}};
+  parameters.world.balls = {{{0.55, 0.1}, 0.0315, 0.132, false, first_spread},
+                            {{0.45, -0.1}, 0.0315, 0.132, false, second_spread}};
   return parameters;
 }
 
