@@ -223,7 +223,10 @@ TEST_CASE(
                                {" ball_z: 1,", ""},
                                {"table_normal", "balls_normal"},
                                {"table_tangential", "balls_tangential"},
-                               {"ball_table: true", "ball_ball: true"}}),
+                               {"ball_table: true", "ball_ball: true"},
+                               {"    return_back_m:",
+                                "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
+                                "    room_ahead_m: 0\n    return_back_m:"}}),
               "lockstep");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
