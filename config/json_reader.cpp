@@ -138,11 +138,7 @@ VectorXd JsonReader::vector(const char* key, Eigen::Index size) {
 }
 
 VectorXd JsonReader::vector(const std::string& key, const Json& value, Eigen::Index size) const {
-  require_list(key, value, "a list of " + std::to_string(size) + " numbers");
-  if (static_cast<Eigen::Index>(value.size()) != size) {
-    throw ConfigError(place(key) + ": expected " + std::to_string(size) + " values, got " +
-                      std::to_string(value.size()));
-  }
+  require_values(key, value, size, "numbers");
   VectorXd out(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     out[i] = as_number(key + "[" + std::to_string(i) + "]", value[i], -kInfinity, kInfinity);
@@ -203,11 +199,7 @@ c3::PerStage<MatrixXd> JsonReader::matrices(const char* key, Eigen::Index rows, 
 
 VectorXd JsonReader::bound(const std::string& key, const Json& value, Eigen::Index size,
                            double none) const {
-  require_list(key, value, "a list of " + std::to_string(size) + " numbers or null");
-  if (static_cast<Eigen::Index>(value.size()) != size) {
-    throw ConfigError(place(key) + ": expected " + std::to_string(size) + " values, got " +
-                      std::to_string(value.size()));
-  }
+  require_values(key, value, size, "numbers or null");
   VectorXd out(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     const std::string name = key + "[" + std::to_string(i) + "]";
@@ -277,6 +269,15 @@ double JsonReader::as_number(const std::string& key, const Json& value, double m
     fail(key, range.str(), value);
   }
   return x;
+}
+
+void JsonReader::require_values(const std::string& key, const Json& value, Eigen::Index size,
+                                const std::string& what) const {
+  require_list(key, value, "a list of " + std::to_string(size) + " " + what);
+  if (static_cast<Eigen::Index>(value.size()) != size) {
+    throw ConfigError(place(key) + ": expected " + std::to_string(size) + " values, got " +
+                      std::to_string(value.size()));
+  }
 }
 
 void JsonReader::require_list(const std::string& key, const Json& value,

@@ -61,6 +61,9 @@ class JsonReader {
                    double max) const;
   void require_list(const std::string& key, const nlohmann::json& value,
                     const std::string& expected) const;
+  /// A list of `size` values; `what` they are.
+  void require_values(const std::string& key, const nlohmann::json& value, Eigen::Index size,
+                      const std::string& what) const;
   [[noreturn]] void fail(const std::string& key, const std::string& expected,
                          const nlohmann::json& got) const;
 

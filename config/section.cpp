@@ -137,6 +137,10 @@ double Section::number(const std::string& key, Range allowed) {
   return value;
 }
 
+double Section::number(const std::string& key, Range allowed, double missing) {
+  return has(key) ? number(key, allowed) : missing;
+}
+
 int Section::integer(const std::string& key, Range allowed) {
   const YAML::Node child = require(*node_, key);
   double value = 0.0;

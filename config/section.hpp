@@ -27,6 +27,8 @@ struct Range {
 class Section {
  public:
   double number(const std::string& key, Range allowed);
+  /// `missing` where the key is not there.
+  double number(const std::string& key, Range allowed, double missing);
   int integer(const std::string& key, Range allowed);
   bool boolean(const std::string& key);
   std::string text(const std::string& key);

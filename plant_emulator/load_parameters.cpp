@@ -65,8 +65,7 @@ Parameters load_parameters(config::Section section) {
                              ball.number("radius_m", {0.005, 0.2}),
                              ball.number("mass_kg", {0.001, 10})});
     if (ball.has("held")) p.world.balls.back().held = ball.boolean("held");
-    if (ball.has("start_spread_m"))
-      p.world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1});
+    p.world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1}, 0.0);
   }
   if (may_overlap(p.world.balls))
     section.fail("balls", "balls that cannot overlap at the start, start_spread_m included",

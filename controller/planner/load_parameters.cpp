@@ -11,10 +11,8 @@ constexpr config::Range kPositiveWeight{1e-12, 1e12};
 /// One weight for all rows of η, or `KEY_distance` and `KEY_slip` beside that of the cone.
 PhaseWeights::Gaps load_gaps(config::Section& plus, const std::string& key) {
   const double cone = plus.number(key, kPositiveWeight);
-  PhaseWeights::Gaps gaps{cone, cone, cone};
-  if (plus.has(key + "_distance")) gaps.distance = plus.number(key + "_distance", kPositiveWeight);
-  if (plus.has(key + "_slip")) gaps.slip = plus.number(key + "_slip", kPositiveWeight);
-  return gaps;
+  return {cone, plus.number(key + "_distance", kPositiveWeight, cone),
+          plus.number(key + "_slip", kPositiveWeight, cone)};
 }
 
 PhaseWeights load_weights(config::Section section, int balls) {
@@ -126,14 +124,12 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.heuristic.roll_clearance = heuristic.number("roll_clearance_m", {-0.05, 0.2});
   parameters.heuristic.return_back = heuristic.number("return_back_m", {0, 0.2});
   parameters.heuristic.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
-  if (heuristic.has("roll_reach_m"))
-    parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1});
-  if (heuristic.has("return_gap_m"))
-    parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1});
-  if (heuristic.has("return_lead_s"))
-    parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1});
-  if (heuristic.has("target_reach_m"))
-    parameters.heuristic.target_reach = heuristic.number("target_reach_m", {1e-3, 1});
+  const HeuristicParameters none{};
+  parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1}, none.roll_reach);
+  parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1}, none.return_gap);
+  parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1}, none.return_lead);
+  parameters.heuristic.target_reach =
+      heuristic.number("target_reach_m", {1e-3, 1}, none.target_reach);
 
   if (balls > 1) {
     parameters.heuristic.look_ahead = heuristic.number("look_ahead_s", {0, 10});
