@@ -37,17 +37,25 @@ void QpRows::set(const Constraints& c) {
   first_of_lambda_0_ = all();
   add_bounds(0, n_x, c.lambda_min[0], c.lambda_max[0]);
   count_ = all();
+  find_neighbours();
+}
+
+void QpRows::find_neighbours() {
+  // the last and the first stage have none beyond
+  const int stages = sizes_.N + 3;
+  std::vector<int> row_of(static_cast<std::size_t>(stages * sizes_.n_z()), -1);
+  const auto place = [&](const Row& row, int step) -> int& {
+    return row_of[static_cast<std::size_t>((row.stage + 1 + step) * sizes_.n_z() + row.coordinate)];
+  };
+  for (int i = 0; i < all(); ++i) {
+    if (rows_[i].coordinate >= 0) place(rows_[i], 0) = i;
+  }
   later_.assign(rows_.size(), -1);
   earlier_.assign(rows_.size(), -1);
   for (int i = 0; i < all(); ++i) {
-    for (int j = 0; j < all(); ++j) {
-      if (rows_[i].coordinate < 0 || rows_[j].coordinate != rows_[i].coordinate ||
-          rows_[j].stage != rows_[i].stage + 1) {
-        continue;
-      }
-      later_[i] = j;
-      earlier_[j] = i;
-    }
+    if (rows_[i].coordinate < 0) continue;
+    later_[i] = place(rows_[i], 1);
+    earlier_[i] = place(rows_[i], -1);
   }
 }
 

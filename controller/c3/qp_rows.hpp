@@ -43,6 +43,7 @@ class QpRows {
 
  private:
   void add_bounds(int k, int first, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+  void find_neighbours();
   void add_general(int k, const Eigen::VectorXd& a, double lower, double upper);
 
   Sizes sizes_;

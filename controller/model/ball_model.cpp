@@ -133,13 +133,17 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   return system;
 }
 
+Eigen::Vector3d contact_force(const Eigen::Vector3d& normal, double lambda_n,
+                              const Eigen::Vector4d& edges) {
+  Eigen::Vector3d t, s;
+  tangents(normal, t, s);
+  return normal * lambda_n + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);
+}
+
 Eigen::Vector3d force_on_end_effector(const BallState& state,
                                       const Eigen::Ref<const Eigen::VectorXd>& lambda) {
-  const Eigen::Vector3d n = end_effector_normal(state);
-  Eigen::Vector3d t, s;
-  tangents(n, t, s);
-  const auto edges = lambda.segment<L::n_e>(L::tangent_end_effector);
-  return n * lambda[L::normal_end_effector] + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);
+  return contact_force(end_effector_normal(state), lambda[L::normal_end_effector],
+                       lambda.segment<L::n_e>(L::tangent_end_effector));
 }
 
 void separate(const BallModelParameters& parameters, const Eigen::Vector3d& away,

@@ -46,6 +46,11 @@ BallStateVector to_vector(const BallState& state);
 /// The basis is continuous but at normals along ±x.
 void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d& s);
 
+/// n λ_n and what the edges +t −t +s −s add to it: the force of one contact on the body that its
+/// normal points to, in W [N].
+Eigen::Vector3d contact_force(const Eigen::Vector3d& normal, double lambda_n,
+                              const Eigen::Vector4d& edges);
+
 enum class BallContact {
   kEndEffector,  // end effector and ball
   kTable,        // ball and table

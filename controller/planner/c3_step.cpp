@@ -6,7 +6,7 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr int kInputs = 3, kEdges = 4;
+constexpr int kInputs = 3;
 
 bool is_stewart_trinkle(const Parameters& parameters) {
   return parameters.contact_model == ContactModel::kStewartTrinkle;

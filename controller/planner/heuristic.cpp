@@ -12,9 +12,8 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
 }
 
 int balls_behind(const LineTask& task, const Scene& scene, int ball) {
-  const double forward = task.step < 0.0 ? -1.0 : 1.0;
   const auto place = [&](int i) {
-    return forward * scene.balls[static_cast<std::size_t>(i)].p_WB.y();
+    return forward(task) * scene.balls[static_cast<std::size_t>(i)].p_WB.y();
   };
   int behind = 0;
   for (int i = 0; i < scene.ball_count; ++i) behind += place(i) < place(ball) ? 1 : 0;
@@ -25,7 +24,6 @@ int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, con
                     int now) {
   const auto* line = std::get_if<LineTask>(&task);
   if (line == nullptr) return 0;
-  const double forward = line->step < 0.0 ? -1.0 : 1.0;
   Scene ahead = scene;
   for (Ball& ball : ahead.balls) ball.p_WB += parameters.look_ahead * ball.v_WB;
   const auto place = [&](int ball) -> Eigen::Vector2d {
@@ -45,7 +43,7 @@ int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, con
     double nearest = parameters.room_ahead;
     for (int i = 0; i < scene.ball_count; ++i) {
       const Eigen::Vector2d apart = place(i) - place(chosen);
-      if (forward * apart.y() > 0.0 && apart.norm() < nearest) {
+      if (forward(*line) * apart.y() > 0.0 && apart.norm() < nearest) {
         in_the_way = i;
         nearest = apart.norm();
       }

@@ -59,8 +59,8 @@ struct HeuristicParameters {
   double target_reach = std::numeric_limits<double>::infinity();
   // of several balls: which one is worked on
   double look_ahead = 0.0;  // the balls are looked at where they roll to in this time [s]
-  double beside_weight =
-      0.0;  // a ball counts as this much behind, times its distance from the line
+  // a ball counts as this much behind, times its distance from the line
+  double beside_weight = 0.0;
   double change_margin = 0.0;  // another ball has to be worse off by this much [m]
   double room_ahead = 0.0;     // a ball with another one ahead and nearer than this has no room [m]
 };

@@ -103,6 +103,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     }
     if (previous == Mode::kApproach && mode_ == Mode::kReturn) {
       c3_since_ = input.now;
+      phase_ = phase_at(parameters_.heuristic, 0.0);
       if (task_since_ < 0.0) task_since_ = input.now;
     }
     if (in_c3 && !known.balls_at_hand) ++counters_.ball_lost;
@@ -134,7 +135,6 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   return plan_;
 }
 
-// The clock of the heuristic, put back where the ball runs away.
 void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
   phase_ = phase_at(parameters_.heuristic, in_c3 ? input.now - c3_since_ : 0.0);
   if (!in_c3 || phase_ != Phase::kRoll) {
@@ -166,10 +166,10 @@ Eigen::Vector2d Planner::target(const Input& input, double ahead, const Scene& s
                                 int ball) const noexcept {
   const Eigen::Vector2d at = scene.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
   const auto* line = std::get_if<LineTask>(&parameters_.task);
-  const Eigen::Vector2d wanted =
-      input.circle ? circle_target(*input.circle, at)
-      : line       ? line_target(*line, at, balls_behind(*line, scene, ball))
-                   : planner::target(parameters_.task, elapsed(input), ahead, at);
+  const Eigen::Vector2d wanted = input.circle ? circle_target(*input.circle, at)
+                                 : line
+                                     ? line_target(*line, at, balls_behind(*line, scene, ball))
+                                     : planner::target(parameters_.task, elapsed(input), ahead, at);
   const double reach = parameters_.heuristic.target_reach;
   const Eigen::Vector2d way = wanted - at;
   if (way.norm() <= reach) return wanted;
@@ -309,7 +309,6 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
       ball.p_WB = state.p_WB;
     }
   }
-  phase_ = phase_at(parameters_.heuristic, input.now - c3_since_);
   Eigen::Vector3d meeting = x_hat.balls[worked].p_WB;
   if (phase_ != Phase::kRoll)
     meeting.head<2>() += parameters_.heuristic.return_lead * x_hat.balls[worked].v_WB.head<2>();

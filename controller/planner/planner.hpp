@@ -89,6 +89,7 @@ class Planner {
 
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
+  /// The phase of the heuristic now; where the ball has run away its clock starts anew.
   void advance_phase(const Input& input, bool in_c3) noexcept;
   /// The balls at the time of the arm's state.
   Scene estimate(const Input& input) const noexcept;

@@ -10,6 +10,8 @@
 
 namespace c3rt::planner {
 
+constexpr int kEdges = 4;  // of each contact's friction cone
+
 enum class Contacts {
   kPlanned,  // those that the scenario gives L_Δt
   kAll,      // those of the step over Δt_c

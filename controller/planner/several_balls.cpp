@@ -4,8 +4,6 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr int kEdges = 4;
-
 model::BallsModelParameters balls_parameters(const Parameters& parameters) {
   const model::BallModelParameters& one = parameters.model;
   model::BallsModelParameters balls{};
@@ -76,10 +74,8 @@ class SeveralBalls : public PlanningModel {
       Eigen::Vector3d center = scene.balls[static_cast<std::size_t>(pair.second)].p_WB;
       center.z() = parameters_.table_height + parameters_.balls[0].radius;
       const Eigen::Vector3d n = (scene.p_WE - center).normalized();
-      Eigen::Vector3d t, s;
-      model::tangents(n, t, s);
-      const auto edges = lambda.segment<kEdges>(2 * n_c + kEdges * i);
-      force += n * lambda[n_c + i] + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);
+      force +=
+          model::contact_force(n, lambda[n_c + i], lambda.segment<kEdges>(2 * n_c + kEdges * i));
     }
     return force;
   }

@@ -44,22 +44,23 @@ double round_duration(const PathTask& task) noexcept {
   return task.interval * static_cast<double>(task.points.size());
 }
 
+double forward(const LineTask& task) noexcept { return task.step < 0.0 ? -1.0 : 1.0; }
+
 bool past_end(const LineTask& task, double y) noexcept {
-  return task.step < 0.0 ? y <= task.y_end : y >= task.y_end;
+  return forward(task) * y >= forward(task) * task.y_end;
 }
 
 double way_to_go(const LineTask& task, const Eigen::Vector2d& ball, int behind) noexcept {
-  const double forward = task.step < 0.0 ? -1.0 : 1.0;
   // a step past the end, so that it is passed and not approached
-  return forward * (task.y_end + task.step - ball.y()) + behind * task.spacing;
+  return forward(task) * (task.y_end + task.step - ball.y()) + behind * task.spacing;
 }
 
 Eigen::Vector2d line_target(const LineTask& task, const Eigen::Vector2d& ball,
                             int behind) noexcept {
-  const double pace = std::abs(task.step), forward = task.step < 0.0 ? -1.0 : 1.0;
+  const double pace = std::abs(task.step);
   const auto paced = [pace](double way) { return std::min(std::max(way, -pace), pace); };
-  return ball +
-         Eigen::Vector2d(paced(task.x - ball.x()), forward * paced(way_to_go(task, ball, behind)));
+  return ball + Eigen::Vector2d(paced(task.x - ball.x()),
+                                forward(task) * paced(way_to_go(task, ball, behind)));
 }
 
 Eigen::Vector2d target(const Task& task, double elapsed, double ahead,

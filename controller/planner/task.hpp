@@ -58,6 +58,9 @@ Eigen::Vector2d path_velocity(const PathTask& task, double elapsed) noexcept;
 /// How long one round of all way-points takes [s].
 double round_duration(const PathTask& task) noexcept;
 
+/// The line's direction along y: 1 or −1.
+double forward(const LineTask& task) noexcept;
+
 /// Whether a ball at y has arrived.
 bool past_end(const LineTask& task, double y) noexcept;
 
