@@ -1,8 +1,8 @@
 #include "plant_emulator/pushes.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <random>
+
+#include "plant_emulator/draws.hpp"
 
 namespace c3rt::plant {
 namespace {
@@ -13,20 +13,16 @@ constexpr std::uint64_t kStream = 0x9E3779B97F4A7C15;
 }  // namespace
 
 std::vector<Push> drawn_pushes(const PushParameters& parameters, int balls, std::uint64_t seed) {
-  // the distributions of <random> differ between standard libraries
-  std::mt19937_64 engine(seed ^ kStream);
-  const auto uniform = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
-  constexpr double kTwoPi = 6.283185307179586476925;
+  Draws draws(seed ^ kStream);
   const double piece = (parameters.until - parameters.from) / std::max(1, parameters.count);
   std::vector<Push> pushes;
   for (int i = 0; i < parameters.count; ++i) {
     Push push{};
-    push.time = parameters.from + piece * (i + 0.5 * uniform());
-    push.ball = std::min(static_cast<int>(balls * uniform()), balls - 1);
-    const double size =
-        parameters.impulse_min + (parameters.impulse_max - parameters.impulse_min) * uniform();
-    const double angle = kTwoPi * uniform();
-    push.impulse = size * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    push.time = parameters.from + piece * (i + 0.5 * draws.uniform());
+    push.ball = std::min(static_cast<int>(balls * draws.uniform()), balls - 1);
+    const double size = parameters.impulse_min +
+                        (parameters.impulse_max - parameters.impulse_min) * draws.uniform();
+    push.impulse << size * draws.direction(), 0.0;
     pushes.push_back(push);
   }
   return pushes;
