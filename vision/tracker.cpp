@@ -27,6 +27,27 @@ struct Candidate {
   int only;
 };
 
+/// To each ball that is expected somewhere its candidate, −1: none, so that the sum of their
+/// distances is the least.
+/// @param units  of each ball's distance [m]; `gate` is in them
+std::vector<int> nearest(const std::vector<Candidate>& candidates,
+                         const std::vector<std::optional<Eigen::Vector3d>>& expected,
+                         const std::vector<double>& units, double gate) {
+  const auto rows = static_cast<Eigen::Index>(expected.size());
+  Eigen::MatrixXd cost =
+      Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const auto ball = static_cast<std::size_t>(i);
+    if (!expected[ball]) continue;
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
+      if (candidate.only < 0 || candidate.only == i)
+        cost(i, j) = (candidate.detection.p_WB - *expected[ball]).norm() / units[ball];
+    }
+  }
+  return assign(cost, gate);
+}
+
 double total_visible(const Sighting& sighting) {
   double sum = 0.0;
   for (const View& view : sighting.views) sum += view.used ? view.detection.visible : 0.0;
@@ -92,20 +113,10 @@ void Tracker::look_with(std::size_t camera, std::int64_t exposure_ns, const Plac
     }
   }
 
-  const auto rows = static_cast<Eigen::Index>(balls_.size());
-  Eigen::MatrixXd cost =
-      Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const auto ball = static_cast<std::size_t>(i);
-    if (!places[ball]) continue;
-    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
-      const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
-      if (candidate.only >= 0 && candidate.only != i) continue;
-      // in radii, so that 1 is the gate of every ball
-      cost(i, j) = (candidate.detection.p_WB - *places[ball]).norm() / balls_[ball].radius;
-    }
-  }
-  const std::vector<int> columns = assign(cost, 1.0);
+  std::vector<double> radii;
+  for (const BallModel& ball : balls_) radii.push_back(ball.radius);
+  // in radii, so that 1 is the gate of every ball
+  const std::vector<int> columns = nearest(candidates, places, radii, 1.0);
   for (std::size_t i = 0; i < balls_.size(); ++i) {
     if (wanted[i] && columns[i] >= 0) {
       sightings_[i].views[camera].detection =
@@ -169,19 +180,12 @@ Tracker::Places Tracker::search(std::int64_t exposure_ns,
   };
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), explained),
                    candidates.end());
-  const auto rows = static_cast<Eigen::Index>(balls_.size());
-  Eigen::MatrixXd cost =
-      Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const auto ball = static_cast<std::size_t>(i);
-    if (sightings_[ball].fusion.found) continue;
-    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
-      const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
-      if (candidate.only < 0 || candidate.only == i)
-        cost(i, j) = (candidate.detection.p_WB - predictions[ball].p_WB).norm();
-    }
+  Places expected(balls_.size());
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    if (!sightings_[i].fusion.found) expected[i] = predictions[i].p_WB;
   }
-  const std::vector<int> columns = assign(cost, kFarthest);
+  const std::vector<int> columns =
+      nearest(candidates, expected, std::vector<double>(balls_.size(), 1.0), kFarthest);
   for (std::size_t i = 0; i < balls_.size(); ++i) {
     if (columns[i] >= 0)
       places[i] = candidates[static_cast<std::size_t>(columns[i])].detection.p_WB;

@@ -111,6 +111,14 @@ Outcome follow(const Course& course, double duration, BallColours colours, doubl
   return outcome;
 }
 
+void check_always_seen(const Outcome& outcome, std::size_t balls) {
+  for (std::size_t ball = 0; ball < balls; ++ball) {
+    CAPTURE(ball, outcome.unseen[ball]);
+    CHECK(outcome.unseen[ball] == 0);
+    CHECK(outcome.p95(ball) < 1e-3);
+  }
+}
+
 const Eigen::Vector2d kAlong(0, -1);  // the way of the line
 
 }  // namespace
@@ -132,11 +140,7 @@ TEST_CASE(
   CAPTURE(outcome.cameras_used, outcome.worst());
   CHECK(outcome.taken_for_another == 0);
   CHECK(outcome.cameras_used > 2.4);
-  for (std::size_t ball = 0; ball < 4; ++ball) {
-    CAPTURE(ball, outcome.unseen[ball]);
-    CHECK(outcome.unseen[ball] == 0);
-    CHECK(outcome.p95(ball) < 1e-3);
-  }
+  check_always_seen(outcome, 4);
 }
 
 TEST_CASE(
@@ -156,11 +160,7 @@ TEST_CASE(
   const Outcome outcome = follow(through, 1.0, colours, 0.025);
   CAPTURE(outcome.worst());
   CHECK(outcome.taken_for_another == 0);
-  for (std::size_t ball = 0; ball < 3; ++ball) {
-    CAPTURE(ball, outcome.unseen[ball]);
-    CHECK(outcome.unseen[ball] == 0);
-    CHECK(outcome.p95(ball) < 1e-3);
-  }
+  check_always_seen(outcome, 3);
 }
 
 TEST_CASE(
