@@ -1,6 +1,5 @@
 // find_package(c3rt) as a stranger meets it: the library is installed into an empty prefix, and a
 // project outside of this one (tests/package) is configured against it, built and run.
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -8,32 +7,15 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
+
+#include "tests/support/outcome.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status;
-  std::string output;
-};
-
-Outcome run(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) throw std::runtime_error("cannot run " + command);
-  Outcome outcome{};
-  char buffer[4096];
-  while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe)) {
-    outcome.output.append(buffer, count);
-  }
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
-
 void succeed(const std::string& command) {
-  const Outcome outcome = run(command);
+  const c3rt::support::Outcome outcome = c3rt::support::outcome_of(command);
   INFO(command << "\n" << outcome.output);
   REQUIRE(outcome.status == 0);
 }
@@ -72,7 +54,7 @@ TEST_CASE("a project that has only the installed package and Eigen builds and so
           quoted(consumer) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix) + " " + C3RT_CONSUMER_FLAGS);
   succeed(cmake + " --build " + quoted(consumer));
 
-  const Outcome answer = run(quoted(consumer / "consumer"));
+  const c3rt::support::Outcome answer = c3rt::support::outcome_of(quoted(consumer / "consumer"));
   INFO(answer.output);
   REQUIRE(answer.status == 0);
   CHECK(std::stod(answer.output) ==

@@ -1,6 +1,5 @@
 // The command as a person meets it: the installed program, with small shells in the place of the
 // four processes.
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,6 +13,7 @@
 #include "cli/lock.hpp"
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
+#include "tests/support/outcome.hpp"
 
 namespace {
 
@@ -23,10 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kDomain = 97;
 
-struct Outcome {
-  int status;
-  std::string output;  // standard output and error
-};
+using c3rt::support::Outcome;
 
 /// A place of its own: locks, results and the four "processes".
 class Place {
@@ -50,14 +47,7 @@ class Place {
            arguments;
   }
   Outcome c3rt(const std::string& arguments) const {
-    FILE* pipe = popen(("exec 2>&1; " + command(arguments)).c_str(), "r");
-    Outcome outcome{};
-    char buffer[4096];
-    while (std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe))
-      outcome.output.append(buffer, count);
-    const int status = pclose(pipe);
-    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return outcome;
+    return c3rt::support::outcome_of(command(arguments));
   }
   std::string start_options() const {
     return " --domain " + std::to_string(kDomain) + " --out '" + (folder_.path() / "out").string() +

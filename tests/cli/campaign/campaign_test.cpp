@@ -1,5 +1,4 @@
 // `c3rt campaign` as a person meets it, with real runs of a few simulated seconds.
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
+#include "tests/support/outcome.hpp"
 
 namespace {
 
@@ -22,10 +22,7 @@ using Catch::Contains;
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status;
-  std::string output;  // standard output and error
-};
+using c3rt::support::Outcome;
 
 std::string command(const Folder& folder, const std::string& arguments) {
   return "'" C3RT_BINARY_DIRECTORY "/bin/c3rt' campaign " + arguments + " --out '" +
@@ -34,14 +31,7 @@ std::string command(const Folder& folder, const std::string& arguments) {
 
 Outcome campaign(const Folder& folder, const std::string& arguments,
                  const std::string& environment = "") {
-  FILE* pipe = popen(("exec 2>&1; " + environment + " " + command(folder, arguments)).c_str(), "r");
-  Outcome outcome{};
-  char buffer[4096];
-  while (std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe))
-    outcome.output.append(buffer, count);
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+  return c3rt::support::outcome_of(environment + " " + command(folder, arguments));
 }
 
 json read(const fs::path& file) { return json::parse(std::ifstream(file)); }

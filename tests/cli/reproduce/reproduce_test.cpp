@@ -1,16 +1,15 @@
 // `c3rt reproduce` as a person meets it.
 #include "cli/reproduce/reproduce.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "tests/cli/folder.hpp"
+#include "tests/support/outcome.hpp"
 
 namespace {
 
@@ -18,24 +17,12 @@ using c3rt::cli::Folder;
 using Catch::Contains;
 using nlohmann::json;
 
-struct Outcome {
-  int status;
-  std::string output;  // standard output and error
-};
+using c3rt::support::Outcome;
 
 Outcome reproduce(const Folder& folder, const std::string& arguments,
                   const std::string& prefix = "") {
-  FILE* pipe = popen(("exec 2>&1; " + prefix + " '" C3RT_BINARY_DIRECTORY "/bin/c3rt' reproduce " +
-                      arguments + " --out '" + folder.path().string() + "'")
-                         .c_str(),
-                     "r");
-  Outcome outcome{};
-  char buffer[4096];
-  while (std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe))
-    outcome.output.append(buffer, count);
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+  return c3rt::support::outcome_of(prefix + " '" C3RT_BINARY_DIRECTORY "/bin/c3rt' reproduce " +
+                                   arguments + " --out '" + folder.path().string() + "'");
 }
 
 json results(const Folder& folder, const std::string& what) {
