@@ -5,6 +5,7 @@
 #include <ctime>
 #include <deque>
 #include <fstream>
+#include <sstream>
 
 #include <unistd.h>
 
@@ -110,6 +111,12 @@ fs::path make_folder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) throw UsageError("cannot make " + folder.string() + ": " + error.message());
   return fs::absolute(folder);
+}
+
+std::string read_text(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
 }
 
 void write_text(const fs::path& file, const std::string& text) {

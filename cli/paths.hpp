@@ -44,6 +44,9 @@ std::filesystem::path new_folder(const std::string& name);
 /// Makes the folder and those above it. @return its absolute path. @throws UsageError
 std::filesystem::path make_folder(const std::filesystem::path& folder);
 
+/// A file's bytes, "" if there is none.
+std::string read_text(const std::filesystem::path& file);
+
 /// @throws std::runtime_error if it cannot be written
 void write_text(const std::filesystem::path& file, const std::string& text);
 

@@ -12,6 +12,8 @@
 
 namespace c3rt::cli {
 
+constexpr double kBand = 0.02;  // about the path, that of the paper's figures [m]
+
 /// Counts circles by the angle that the ball has gone about the centre in the task's direction.
 class LoopCounter {
  public:

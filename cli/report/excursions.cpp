@@ -9,7 +9,6 @@
 namespace c3rt::cli {
 namespace {
 
-constexpr double kBand = 0.02;     // [m]
 constexpr double kLastTime = 1.0;  // in the band for that long at the end [s]
 constexpr std::int64_t kNs = 1'000'000'000;
 

@@ -34,4 +34,10 @@ bool draw(const std::string& script) {
   return pclose(gnuplot) == 0 && written;
 }
 
+std::string missing(const std::string& pictures) {
+  return pictures.empty()
+             ? ""
+             : pictures + " could not be drawn: gnuplot (package gnuplot-nox) is missing or failed";
+}
+
 }  // namespace c3rt::cli::gnuplot

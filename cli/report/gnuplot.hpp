@@ -14,4 +14,7 @@ std::string terminal(const std::filesystem::path& file, int width, int height);
 /// Runs one script. @return false if gnuplot is missing or refuses it
 bool draw(const std::string& script);
 
+/// What to say of pictures that draw() refused; empty if there is none.
+std::string missing(const std::string& pictures);
+
 }  // namespace c3rt::cli::gnuplot

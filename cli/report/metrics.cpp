@@ -7,10 +7,10 @@
 namespace c3rt::cli {
 namespace {
 
-constexpr double kNs = 1e-9;                            // [s]
-constexpr std::int64_t kSettling = 1'000'000'000;       // first second of tracking [ns]
-constexpr std::int64_t kLargestSceneGap = 50'000'000;   // truth is not interpolated over more [ns]
-constexpr double kWideBand = 0.02, kNarrowBand = 0.01;  // [m]
+constexpr double kNs = 1e-9;                           // [s]
+constexpr std::int64_t kSettling = 1'000'000'000;      // first second of tracking [ns]
+constexpr std::int64_t kLargestSceneGap = 50'000'000;  // truth is not interpolated over more [ns]
+constexpr double kNarrowBand = 0.01;                   // [m]
 
 double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * kNs; }
 
@@ -34,7 +34,7 @@ BallFigures ball_figures(const Series& series, const planner::Task& task, int ba
     rows.push_back({error, duration});
     total += duration;
     squares += error * error * duration;
-    wide += error <= kWideBand ? duration : 0.0;
+    wide += error <= kBand ? duration : 0.0;
     narrow += error <= kNarrowBand ? duration : 0.0;
   }
   BallFigures figures;

@@ -111,10 +111,7 @@ std::string draw_panels(const std::filesystem::path& file, const std::string& ti
       fmt::format("set multiplot layout {},1 title {} noenhanced\n", count, gnuplot::quoted(title));
   for (int i = 0; i < count; ++i) script += panel_script(panels[static_cast<std::size_t>(i)], i);
   script += "unset multiplot\n";
-  return gnuplot::draw(script)
-             ? ""
-             : file.filename().string() +
-                   " could not be drawn: gnuplot (package gnuplot-nox) is missing or failed";
+  return gnuplot::missing(gnuplot::draw(script) ? "" : file.filename().string());
 }
 
 }  // namespace c3rt::cli

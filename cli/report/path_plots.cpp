@@ -6,12 +6,12 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "cli/report/course.hpp"
 #include "cli/report/gnuplot.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-constexpr double kBand = 0.02;              // [m]
 constexpr double kSpacing = 0.002;          // [m]
 constexpr double kFarthest = 0.2;           // a lost ball must not shrink the path to a point [m]
 constexpr std::size_t kLargestPlot = 6000;  // points of one line
@@ -25,16 +25,10 @@ std::string points(const std::vector<Eigen::Vector2d>& list, std::size_t step = 
 }
 
 Eigen::AlignedBox2d box_of(const PathPlot& plot) {
-  Eigen::AlignedBox2d wanted, all;
-  for (const Eigen::Vector2d& corner : plot.wanted) wanted.extend(corner);
-  for (const Eigen::Vector2d& p : plot.ball) all.extend(p);
-  const Eigen::Vector2d far = Eigen::Vector2d::Constant(kFarthest);
-  all = all.intersection(Eigen::AlignedBox2d(wanted.min() - far, wanted.max() + far));
-  all.extend(wanted);
-  return all;
+  Eigen::AlignedBox2d ball;
+  for (const Eigen::Vector2d& p : plot.ball) ball.extend(p);
+  return shown_of(plot.wanted, ball);
 }
-
-}  // namespace
 
 std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) {
   std::vector<Eigen::Vector2d> result;
@@ -44,6 +38,31 @@ std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) 
     for (int part = 0; part <= parts; ++part) result.push_back(corners[i] + way * part / parts);
   }
   return result;
+}
+
+}  // namespace
+
+std::string wanted_plot() {
+  return fmt::format(
+      "$band using 1:2:({}) with circles fc rgb '#f8cfdc' fs solid noborder title '2 cm band', "
+      "$wanted with lines dt 2 lw 2 lc rgb '#1f5fd0' title 'desired path'",
+      kBand);
+}
+
+Eigen::AlignedBox2d shown_of(const std::vector<Eigen::Vector2d>& wanted,
+                             const Eigen::AlignedBox2d& balls) {
+  Eigen::AlignedBox2d path;
+  for (const Eigen::Vector2d& corner : wanted) path.extend(corner);
+  const Eigen::Vector2d far = Eigen::Vector2d::Constant(kFarthest);
+  Eigen::AlignedBox2d box =
+      balls.intersection(Eigen::AlignedBox2d(path.min() - far, path.max() + far));
+  box.extend(path);
+  return box;
+}
+
+std::string wanted_data(const std::vector<Eigen::Vector2d>& wanted) {
+  return "$band << EOD\n" + points(dense(wanted)) + "EOD\n$wanted << EOD\n" + points(wanted) +
+         "EOD\n";
 }
 
 std::string draw_paths(const std::filesystem::path& file, const std::string& title,
@@ -61,23 +80,14 @@ std::string draw_paths(const std::filesystem::path& file, const std::string& tit
   for (const PathPlot& plot : plots) {
     const Eigen::Vector2d center = box_of(plot).center();
     const std::size_t step = plot.ball.size() / kLargestPlot + 1;
-    script += "$band << EOD\n" + points(dense(plot.wanted)) + "EOD\n";
-    script += "$wanted << EOD\n" + points(plot.wanted) + "EOD\n";
-    script += "$ball << EOD\n" + points(plot.ball, step) + "EOD\n";
+    script += wanted_data(plot.wanted) + "$ball << EOD\n" + points(plot.ball, step) + "EOD\n";
     script += fmt::format("set title {} noenhanced\nset xrange [{}:{}]\nset yrange [{}:{}]\n",
                           gnuplot::quoted(plot.title), center.x() - reach, center.x() + reach,
                           center.y() - reach, center.y() + reach);
-    script += fmt::format(
-        "plot $band using 1:2:({}) with circles fc rgb '#f8cfdc' fs solid noborder title '2 cm "
-        "band', $wanted with lines dt 2 lw 2 lc rgb '#1f5fd0' title 'desired path', $ball with "
-        "lines lw 1.3 lc rgb 'black' title 'ball'\n",
-        kBand);
+    script += "plot " + wanted_plot() + ", $ball with lines lw 1.3 lc rgb 'black' title 'ball'\n";
   }
   script += "unset multiplot\n";
-  return gnuplot::draw(script)
-             ? ""
-             : file.filename().string() +
-                   " could not be drawn: gnuplot (package gnuplot-nox) is missing or failed";
+  return gnuplot::missing(gnuplot::draw(script) ? "" : file.filename().string());
 }
 
 }  // namespace c3rt::cli

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace c3rt::cli {
 
@@ -16,8 +16,15 @@ struct PathPlot {
   std::vector<Eigen::Vector2d> ball;  // true positions [m]
 };
 
-/// Points at most 2 mm apart along the corners: discs about them make the band of a path.
-std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners);
+/// What is shown of a desired path and of where balls went: a lost one must not shrink the path to
+/// a point.
+Eigen::AlignedBox2d shown_of(const std::vector<Eigen::Vector2d>& wanted,
+                             const Eigen::AlignedBox2d& balls);
+
+/// gnuplot's blocks $wanted, the desired path, and $band, points at most 2 mm apart along it: discs
+/// about them make its band. And how they are plotted.
+std::string wanted_data(const std::vector<Eigen::Vector2d>& wanted);
+std::string wanted_plot();
 
 /// Draws a PNG with gnuplot: each path with its 2 cm band, all at one scale, side by side.
 /// @return what is missing and why; empty if it is there

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "cli/report/course.hpp"
 #include "cli/report/gnuplot.hpp"
 #include "cli/report/path_plots.hpp"
 
@@ -17,12 +18,25 @@ using gnuplot::draw;
 using gnuplot::quoted;
 using gnuplot::terminal;
 
-constexpr double kBand = 0.02;              // [m]
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
 
 constexpr std::array<const char*, kMaxBalls> kBallColours{"black", "#1b7837", "#b35806", "#7b3294"};
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
+
+/// Rows "time error" [s, mm], the largest of those that share a column of pixels: thinning must not
+/// hide a peak.
+std::string thinned(const std::vector<double>& time, const std::vector<double>& error) {
+  std::string rows;
+  const std::size_t step = stride(time.size());
+  for (std::size_t i = 0; i < time.size(); i += step) {
+    const std::size_t end = std::min(i + step, time.size());
+    const double largest = *std::max_element(error.begin() + static_cast<std::ptrdiff_t>(i),
+                                             error.begin() + static_cast<std::ptrdiff_t>(end));
+    rows += fmt::format("{:.4f} {:.5f}\n", time[i], largest * 1e3);
+  }
+  return rows;
+}
 
 /// gnuplot refuses axes that no sample gives a range.
 const char* axes(bool any) {
@@ -69,22 +83,11 @@ std::string path_script(const std::filesystem::path& file, const Series& series,
                          : line->step < 0.0               ? box.max().y()
                                                           : box.min().y();
   const std::vector<Eigen::Vector2d> corners = outline(task, y_start);
-  // a lost ball must not shrink the path to a point
-  Eigen::AlignedBox2d wanted;
-  for (const Eigen::Vector2d& corner : corners) wanted.extend(corner);
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.2);
-  box = box.intersection(Eigen::AlignedBox2d(wanted.min() - margin, wanted.max() + margin));
-  box.extend(wanted);
+  box = shown_of(corners, box);
   const Eigen::Vector2d center = box.center();
   const double reach = 0.5 * box.sizes().maxCoeff() + 2.0 * kBand;
-  const auto points = [](const std::vector<Eigen::Vector2d>& list) {
-    std::string rows;
-    for (const Eigen::Vector2d& p : list) rows += fmt::format("{:.6f} {:.6f}\n", p.x(), p.y());
-    return rows;
-  };
-  script += "$band << EOD\n" + points(dense(corners)) + "EOD\n";
-  script += "$wanted << EOD\n" + points(corners) + "EOD\n";
-  script += "$start << EOD\n" + (start.empty() ? "NaN NaN\n" : start) + "EOD\n";
+  script +=
+      wanted_data(corners) + "$start << EOD\n" + (start.empty() ? "NaN NaN\n" : start) + "EOD\n";
   script += fmt::format(
       "set title {} noenhanced\nset xlabel 'x [m]'\nset ylabel 'y [m]'\nset size ratio -1\n",
       quoted(title));
@@ -92,10 +95,8 @@ std::string path_script(const std::filesystem::path& file, const Series& series,
                         center.x() + reach, center.y() - reach, center.y() + reach);
   script += fmt::format(
       "set key below horizontal\nset grid front\n"
-      "plot $band using 1:2:({}) with circles fc rgb '#f8cfdc' fs solid noborder title '2 cm band',"
-      " $wanted with lines dt 2 lw 2 lc rgb '#1f5fd0' title 'desired path'{},"
-      " $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n",
-      kBand, plots);
+      "plot {}{}, $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n",
+      wanted_plot(), plots);
   return script;
 }
 
@@ -106,17 +107,8 @@ std::string error_script(const std::filesystem::path& file, const Series& series
   bool any = false;
   for (std::size_t ball = 0; ball < figures.balls.size(); ++ball) {
     const PathErrors errors = path_errors(series, task, static_cast<int>(ball));
-    const std::size_t step = stride(errors.time.size());
-    script += fmt::format("$error{} << EOD\n", ball);
-    for (std::size_t i = 0; i < errors.time.size(); i += step) {
-      const std::size_t end = std::min(i + step, errors.time.size());
-      const double largest =
-          *std::max_element(errors.error.begin() + static_cast<std::ptrdiff_t>(i),
-                            errors.error.begin() + static_cast<std::ptrdiff_t>(end));
-      script += fmt::format("{:.4f} {:.5f}\n", errors.time[i], largest * 1e3);
-      any = true;
-    }
-    script += "EOD\n";
+    script += fmt::format("$error{} << EOD\n", ball) + thinned(errors.time, errors.error) + "EOD\n";
+    any = any || !errors.time.empty();
     plots += fmt::format(", $error{} with lines lw 1.2 lc rgb '{}' title 'ball {}'", ball,
                          kBallColours[ball], ball + 1);
   }
@@ -132,16 +124,7 @@ std::string error_script(const std::filesystem::path& file, const Series& series
 std::string tracking_script(const std::filesystem::path& file, const Series& series,
                             const std::string& title) {
   const TrackingError tracking = tracking_error(series);
-  std::string rows;
-  const std::size_t step = stride(tracking.time.size());
-  for (std::size_t i = 0; i < tracking.time.size(); i += step) {
-    // the largest of those that share a column of pixels: thinning must not hide a peak
-    const std::size_t end = std::min(i + step, tracking.time.size());
-    const double largest =
-        *std::max_element(tracking.error.begin() + static_cast<std::ptrdiff_t>(i),
-                          tracking.error.begin() + static_cast<std::ptrdiff_t>(end));
-    rows += fmt::format("{:.4f} {:.5f}\n", tracking.time[i], largest * 1e3);
-  }
+  const std::string rows = thinned(tracking.time, tracking.error);
   return terminal(file, 900, 420) + "$error << EOD\n" + (rows.empty() ? "0 0\n" : rows) + "EOD\n" +
          fmt::format("set title {} noenhanced\n", quoted(title)) +
          "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\n" +
@@ -217,9 +200,7 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
   for (const auto& [name, script] : pictures) {
     if (!draw(script)) missing += (missing.empty() ? "" : ", ") + name;
   }
-  return missing.empty()
-             ? ""
-             : missing + " could not be drawn: gnuplot (package gnuplot-nox) is missing or failed";
+  return gnuplot::missing(missing);
 }
 
 }  // namespace c3rt::cli

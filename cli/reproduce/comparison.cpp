@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -46,34 +45,17 @@ campaign::RunSpec spec_of(const std::string& scenario, const Variant& variant) {
   return spec;
 }
 
-config::Scenario load(const campaign::RunSpec& spec) {
-  return config::load_scenario(scenario_path(spec.scenario).string(), spec.overrides);
-}
-
 /// Median over the runs of one figure of their reports; NaN where none gives it.
-double median(const std::vector<campaign::RunResult>& runs, const std::string& path) {
+template <typename Figure>
+double median(const std::vector<campaign::RunResult>& runs, Figure figure_of) {
   std::vector<double> values;
   for (const campaign::RunResult& run : runs) {
-    const double value = figure(run.report, path);
+    const double value = figure_of(run.report);
     if (std::isfinite(value)) values.push_back(value);
   }
   if (values.empty()) return kNone;
   std::sort(values.begin(), values.end());
   return campaign::quantile(values, 0.5);
-}
-
-/// Median over the runs of the mean time of their circles.
-double seconds_a_circle(const std::vector<campaign::RunResult>& runs) {
-  std::vector<double> means;
-  for (const campaign::RunResult& run : runs) {
-    const std::vector<double> times = run.report.at("loop_times_s");
-    if (!times.empty())
-      means.push_back(std::accumulate(times.begin(), times.end(), 0.0) /
-                      static_cast<double>(times.size()));
-  }
-  if (means.empty()) return kNone;
-  std::sort(means.begin(), means.end());
-  return campaign::quantile(means, 0.5);
 }
 
 /// Each question's cost above that of the best answer to it that anybody found.
@@ -104,17 +86,19 @@ void closed_loop(const Context& context, const std::string& scenario, Rows& rows
                                                 first + static_cast<std::ptrdiff_t>(seeds.size()));
     const campaign::Summary summary = campaign::summarise(runs);
     const auto value = [&runs](const char* path, double factor) {
-      return shown(median(runs, path) * factor, 3);
+      const auto of_report = [path](const ordered_json& report) { return figure(report, path); };
+      return shown(median(runs, of_report) * factor, 3);
     };
+    const double seconds_a_circle = median(runs, mean_loop_time);
     rows.push_back({kVariants[i].label,
                     fmt::format("{} of {}", summary.success.successes, summary.success.count),
-                    value("loops_completed", 1), shown(seconds_a_circle(runs), 3),
+                    value("loops_completed", 1), shown(seconds_a_circle, 3),
                     value("ball.0.in_band_2cm", 100), value("ball.0.in_band_1cm", 100),
                     value("ball.0.rms_error_m", 1e3), value("ball.0.max_error_m", 1e3),
                     value("planner.solve_time_s.p50", 1e3),
                     value("planner.solve_time_s.p99", 1e3)});
     results[scenario][kVariants[i].name] = campaign::to_json(summary, runs);
-    results[scenario][kVariants[i].name]["seconds_a_circle"] = cli::number(seconds_a_circle(runs));
+    results[scenario][kVariants[i].name]["seconds_a_circle"] = cli::number(seconds_a_circle);
     results[scenario][kVariants[i].name]["scenario"] = runs.front().spec.scenario;
     results[scenario][kVariants[i].name]["overrides"] = runs.front().spec.overrides;
   }
@@ -130,14 +114,15 @@ void open_loop(const Context& context, Rows& rows, ordered_json& results) {
   spec.name = "recorded";
   spec.logs = true;
   const campaign::RunResult run = context.runs({spec}).front();
-  const config::Scenario judge = load(spec);
+  const config::Scenario judge = scenario_of(spec);
   const std::vector<Question> asked = questions(run, judge, kQuestions);
   const double period = 1.0 / judge.planner.rate;  // what a planner has for one answer [s]
 
   std::vector<std::pair<std::string, Answers>> answers;
   for (const Variant& variant : kVariants)
-    answers.emplace_back(variant.label,
-                         answer_with_c3(asked, load(spec_of(kScenarios.front(), variant)), judge));
+    answers.emplace_back(
+        variant.label,
+        answer_with_c3(asked, scenario_of(spec_of(kScenarios.front(), variant)), judge));
   const ordered_json kept = context.part(
       "monolithic", spec.scenario, spec.overrides,
       {{"limit_s", context.settings().miqp_limit}, {"log_hash", run.report.at("log_hash")}}, [&] {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -13,12 +12,6 @@ namespace c3rt::cli::reproduce {
 namespace {
 
 constexpr double kQuickDuration = 0.3, kQuickRun = 6.0;  // of an example, of a run [s]
-
-std::string read_text(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 }  // namespace
 

@@ -9,7 +9,7 @@ void fig16(const Context& context) {
   const auto runs = timed_path_runs(context);
   std::vector<PathPlot> plots;
   for (std::size_t i = 0; i < runs.size(); ++i)
-    plots.push_back(path_plot(kTimedPaths[i].title, runs[i]));
+    plots.push_back(path_plot(kTimedPaths[i].name, runs[i]));
   fmt::print(
       "Figure 16: paths in time with three rendered cameras, lockstep, seed 1; the paper: "
       "hardware\n\n");

@@ -1,6 +1,4 @@
 // Figure 17: the circle with three cameras, over several rounds.
-#include <numeric>
-
 #include <fmt/format.h>
 
 #include "cli/reproduce/rolling.hpp"
@@ -17,43 +15,36 @@ void fig17(const Context& context) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : track.position)
     mean += p / static_cast<double>(track.position.size());
-  const PathPlot plot = path_plot("", run);
-  Eigen::Vector2d center = Eigen::Vector2d::Zero();  // of a closed outline, whose ends meet
-  for (std::size_t i = 0; i + 1 < plot.wanted.size(); ++i)
-    center += plot.wanted[i] / static_cast<double>(plot.wanted.size() - 1);
+  const Eigen::Vector2d offset = mean - planner::middle(scenario_of(run.spec).task.motion);
 
   const auto value = [&report](const char* path, double factor) {
     return shown(figure(report, path) * factor);
   };
-  const std::vector<double> times = report.at("loop_times_s");
-  const double mean_time = times.empty() ? kNone
-                                         : std::accumulate(times.begin(), times.end(), 0.0) /
-                                               static_cast<double>(times.size());
+  const double mean_time = mean_loop_time(report);
   fmt::print(
       "Figure 17: the circle with three rendered cameras, lockstep, seed 1; the paper: "
       "hardware, on a table slightly tilted\n\n");
-  print_table(
-      {{"", "here", "paper"},
-       {"circles", value("loops_completed", 1), "-"},
-       {"seconds a circle", loop_times(report), ""},
-       {"mean seconds a circle", shown(mean_time), "35"},
-       {"in the 2 cm band [%]", value("ball.0.in_band_2cm", 100), "-"},
-       {"ball to path, rms [mm]", value("ball.0.rms_error_m", 1e3), "-"},
-       {"ball to path, largest [mm]", value("ball.0.max_error_m", 1e3), "nearly 50"},
-       {"mean of the path from its centre, x [mm]", shown(1e3 * (mean - center).x()), "-"},
-       {"mean of the path from its centre, y [mm]", shown(1e3 * (mean - center).y()), "> 0"},
-       {"vision [Hz]", value("vision.rate_hz", 1), "80 to 90"},
-       {"vision error, p95 [mm]", value("vision.error_m.p95", 1e3), "1"},
-       {"planner [Hz]", value("planner.rate_hz", 1), "70 to 80"}});
+  print_table({{"", "here", "paper"},
+               {"circles", value("loops_completed", 1), "-"},
+               {"seconds a circle", loop_times(report), ""},
+               {"mean seconds a circle", shown(mean_time), "35"},
+               {"in the 2 cm band [%]", value("ball.0.in_band_2cm", 100), "-"},
+               {"ball to path, rms [mm]", value("ball.0.rms_error_m", 1e3), "-"},
+               {"ball to path, largest [mm]", value("ball.0.max_error_m", 1e3), "nearly 50"},
+               {"mean of the path from its centre, x [mm]", shown(1e3 * offset.x()), "-"},
+               {"mean of the path from its centre, y [mm]", shown(1e3 * offset.y()), "> 0"},
+               {"vision [Hz]", value("vision.rate_hz", 1), "80 to 90"},
+               {"vision error, p95 [mm]", value("vision.error_m.p95", 1e3), "1"},
+               {"planner [Hz]", value("planner.rate_hz", 1), "70 to 80"}});
   const ordered_json results{
       {"what", "fig17"},
       {"command", campaign::replay_command(run.spec)},
       {"paper", {{"loop_time_s", 35.0}, {"max_error_m", 0.05}, {"vision_error_m", 0.001}}},
       {"mean_loop_time_s", cli::number(mean_time)},
-      {"mean_offset_m", {(mean - center).x(), (mean - center).y()}},
+      {"mean_offset_m", {offset.x(), offset.y()}},
       {"report", report}};
-  context.finish(results,
-                 draw_paths(context.picture(), "Figure 17: the circle with three cameras", {plot}));
+  context.finish(results, draw_paths(context.picture(), "Figure 17: the circle with three cameras",
+                                     {path_plot("", run)}));
 }
 
 }  // namespace c3rt::cli::reproduce

@@ -1,20 +1,14 @@
 // Figure 18: the ball's error over time on three paths in time.
 #include <fmt/format.h>
 
-#include "cli/paths.hpp"
 #include "cli/reproduce/timed_paths.hpp"
-#include "config/scenario.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
 
-constexpr double kBand = 0.02;  // [m]
-
 /// The error to the desired point of the time, and to the way-point that is held then [mm].
 Panel error_panel(const TimedPath& path, const campaign::RunResult& run) {
-  const config::Scenario scenario =
-      config::load_scenario(scenario_path(run.spec.scenario).string(), run.spec.overrides);
-  auto moving = std::get<planner::PathTask>(scenario.task.motion);
+  auto moving = std::get<planner::PathTask>(scenario_of(run.spec).task.motion);
   moving.between = planner::Between::kInterpolate;
   planner::PathTask held = moving;
   held.between = planner::Between::kHold;
@@ -28,7 +22,7 @@ Panel error_panel(const TimedPath& path, const campaign::RunResult& run) {
     to_held[i] = 1e3 * planner::path_error(held, time[i], track.position[row]);
   }
   const Eigen::Vector2d ends(0.0, count > 0 ? time[count - 1] : 1.0);
-  return {path.title,
+  return {path.name,
           "",
           "error [mm]",
           {{"to the held way-point", "#c8c8c8", time, to_held},

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "cli/progress.hpp"
+#include "cli/reproduce/rolling.hpp"
 #include "controller/horizon/condensed.hpp"
 #include "controller/horizon/modes.hpp"
 #include "controller/horizon/search.hpp"
 #include "controller/lcs/simulate.hpp"
 #include "controller/planner/c3_step.hpp"
 #include "controller/planner/heuristic.hpp"
-#include "idl/topics.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -91,12 +91,7 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
        "v_WB_m_per_s_0_2", "omega_rad_per_s_0_0", "omega_rad_per_s_0_1", "omega_rad_per_s_0_2"});
   const auto states = campaign::read_columns(logs / "robot_state.csv",
                                              {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"});
-  std::vector<double> instants;  // of the states that C3 planned from [ns]
-  for (const auto& plan : campaign::read_columns(logs / "plan.csv", {"phase", "state_ns"})) {
-    const int phase = static_cast<int>(plan[0]);
-    if (phase == c3rt_v1_PHASE_ROLL || phase == c3rt_v1_PHASE_RETURN) instants.push_back(plan[1]);
-  }
-  if (instants.empty()) throw std::runtime_error(run.folder.string() + ": C3 never planned");
+  const std::vector<double> instants = c3_instants(run);
 
   const planner::Parameters& parameters = scenario.planner;
   const double ball_height = parameters.model.table_height + parameters.model.ball_radius;

@@ -2,12 +2,12 @@
 
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "cli/paths.hpp"
 #include "cli/report/course.hpp"
-#include "config/scenario.hpp"
 #include "idl/topics.hpp"
 
 namespace c3rt::cli::reproduce {
@@ -15,20 +15,26 @@ namespace {
 
 double seconds(double nanoseconds) { return 1e-9 * nanoseconds; }
 
-/// [ns]
-double task_start(const campaign::RunResult& run) {
-  const auto plans = campaign::read_columns(run.folder / "log" / "plan.csv", {"phase", "state_ns"});
-  for (const auto& plan : plans) {
-    const int phase = static_cast<int>(plan[0]);
-    if (phase == c3rt_v1_PHASE_ROLL || phase == c3rt_v1_PHASE_RETURN) return plan[1];
-  }
-  throw std::runtime_error(run.folder.string() + ": the run never began its task");
-}
-
 }  // namespace
 
+config::Scenario scenario_of(const campaign::RunSpec& spec) {
+  return config::load_scenario(scenario_path(spec.scenario).string(), spec.overrides);
+}
+
+std::vector<double> c3_instants(const campaign::RunResult& run) {
+  std::vector<double> instants;
+  for (const auto& plan :
+       campaign::read_columns(run.folder / "log" / "plan.csv", {"phase", "state_ns"})) {
+    const int phase = static_cast<int>(plan[0]);
+    if (phase == c3rt_v1_PHASE_ROLL || phase == c3rt_v1_PHASE_RETURN) instants.push_back(plan[1]);
+  }
+  if (instants.empty())
+    throw std::runtime_error(run.folder.string() + ": the run never began its task");
+  return instants;
+}
+
 BallTrack ball_track(const campaign::RunResult& run, int ball) {
-  const double start = task_start(run);
+  const double start = c3_instants(run).front();
   const auto rows = campaign::read_columns(
       run.folder / "log" / "sim_scene.csv",
       {"time_ns", fmt::format("p_WB_m_{}_0", ball), fmt::format("p_WB_m_{}_1", ball)});
@@ -42,7 +48,7 @@ BallTrack ball_track(const campaign::RunResult& run, int ball) {
 }
 
 EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
-  const double start = task_start(run);
+  const double start = c3_instants(run).front();
   std::map<double, Eigen::Vector3d> states;  // by time [ns]
   for (const auto& row : campaign::read_columns(run.folder / "log" / "robot_state.csv",
                                                 {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"}))
@@ -63,8 +69,7 @@ EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
 }
 
 PathPlot path_plot(const std::string& title, const campaign::RunResult& run) {
-  const config::Scenario scenario =
-      config::load_scenario(scenario_path(run.spec.scenario).string(), run.spec.overrides);
+  const config::Scenario scenario = scenario_of(run.spec);
   const BallTrack track = ball_track(run);
   const double y_start = track.position.empty() ? 0.0 : track.position.front().y();
   return {title, outline(scenario.task.motion, y_start), track.position};
@@ -92,6 +97,12 @@ std::string loop_times(const ordered_json& report) {
   for (const ordered_json& time : report.at("loop_times_s"))
     text += fmt::format("{}{:.1f}", text.empty() ? "" : ", ", time.get<double>());
   return text.empty() ? "-" : text;
+}
+
+double mean_loop_time(const ordered_json& report) {
+  const std::vector<double> times = report.at("loop_times_s");
+  if (times.empty()) return kNone;
+  return std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
 }
 
 }  // namespace c3rt::cli::reproduce

@@ -8,16 +8,24 @@
 #include "cli/campaign/runs.hpp"
 #include "cli/report/path_plots.hpp"
 #include "cli/reproduce/context.hpp"
+#include "config/scenario.hpp"
 
 namespace c3rt::cli::reproduce {
 
-/// The true positions of a ball from the begin of the task: the state that the first plan of phase
-/// roll or return was made from.
+/// The scenario of a run, as it was run.
+config::Scenario scenario_of(const campaign::RunSpec& spec);
+
+/// When the states were taken that C3 planned from, in phase roll or return; the first is the
+/// begin of the task [ns].
+/// @throws std::runtime_error if the run has no logs or never began its task
+std::vector<double> c3_instants(const campaign::RunResult& run);
+
+/// The true positions of a ball from the begin of the task.
 struct BallTrack {
   std::vector<double> time;               // since the begin of the task [s]
   std::vector<Eigen::Vector2d> position;  // x and y in W [m]
 };
-/// @throws std::runtime_error if the run has no logs or never began its task
+/// @throws as c3_instants
 BallTrack ball_track(const campaign::RunResult& run, int ball = 0);
 
 /// The end effector and where the plan wanted it, for each command that tracks one.
@@ -36,5 +44,7 @@ double figure(const ordered_json& report, const std::string& path);
 
 /// "19.1, 19.6, 19.0"
 std::string loop_times(const ordered_json& report);
+/// kNone without a full circle [s].
+double mean_loop_time(const ordered_json& report);
 
 }  // namespace c3rt::cli::reproduce

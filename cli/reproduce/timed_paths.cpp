@@ -27,7 +27,7 @@ Rows timed_path_rows(const std::vector<campaign::RunResult>& runs) {
             {"vision error, p95 [mm]"}};
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ordered_json& report = runs[i].report;
-    rows[0].push_back(kTimedPaths[i].title);
+    rows[0].push_back(kTimedPaths[i].name);
     const std::vector<std::pair<const char*, double>> column{
         {"judged.rms_error_m", 1e3},
         {"judged.p95_error_m", 1e3},
@@ -49,7 +49,7 @@ Rows timed_path_rows(const std::vector<campaign::RunResult>& runs) {
 }
 
 ordered_json timed_path_results(const char* what, const std::vector<campaign::RunResult>& runs) {
-  ordered_json results{{"what", what}, {"paper", {{"band_m", 0.02}}}};
+  ordered_json results{{"what", what}, {"paper", {{"band_m", kBand}}}};
   for (std::size_t i = 0; i < runs.size(); ++i)
     results[kTimedPaths[i].name] = {{"command", campaign::replay_command(runs[i].spec)},
                                     {"report", runs[i].report}};

@@ -8,13 +8,12 @@
 namespace c3rt::cli::reproduce {
 
 struct TimedPath {
-  const char *name, *scenario, *title;
+  const char *name, *scenario;
 };
 
 /// The three of the paper.
-constexpr std::array<TimedPath, 3> kTimedPaths{{{"circle", "path_circle", "circle"},
-                                                {"line", "path_line", "line"},
-                                                {"rectangle", "path_rectangle", "rectangle"}}};
+constexpr std::array<TimedPath, 3> kTimedPaths{
+    {{"circle", "path_circle"}, {"line", "path_line"}, {"rectangle", "path_rectangle"}}};
 
 /// One run of each, two rounds, seed 1, cameras in the place of the emulated sensor, with logs.
 std::vector<campaign::RunResult> timed_path_runs(const Context& context);
