@@ -1,7 +1,10 @@
 // Plant, emulated sensing, planner and impedance law in one process: what the whole is for.
 #include "tests/support/closed_loop.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -84,26 +87,41 @@ TEST_CASE(
   CHECK(visited.sizes().y() > 0.19);
 }
 
-TEST_CASE("closed loop: two balls are brought along the line, past its end and near it") {
-  const config::Scenario scenario =
-      config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/two_balls.yaml");
+namespace {
+
+/// Brings the balls of a line's scenario along it. @return the largest distance to the line of a
+/// ball that is not past the end [m]; infinity if they are not all past it within `seconds`
+double bring_along_the_line(const std::string& scenario_name, std::uint64_t seed, double seconds) {
+  const config::Scenario scenario = config::load_scenario(
+      std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
   const auto& line = std::get<planner::LineTask>(scenario.task.motion);
+  const std::size_t balls = scenario.plant.world.balls.size();
+  test::ClosedLoop loop(scenario, seed);
+  std::vector<double> beside(balls, 0.0);  // until each has arrived
+  while (loop.time() < seconds) {
+    loop.step_1ms();
+    bool arrived = true;
+    for (std::size_t i = 0; i < balls; ++i) {
+      const Eigen::Vector3d ball = loop.plant().state().balls[i].p_WB;
+      if (planner::past_end(line, ball.y())) continue;
+      arrived = false;
+      beside[i] = std::abs(ball.x() - line.x);
+    }
+    if (arrived) return *std::max_element(beside.begin(), beside.end());
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+TEST_CASE("closed loop: two balls are brought along the line, past its end and near it") {
   for (const std::uint64_t seed : {1, 2}) {
     CAPTURE(seed);
-    test::ClosedLoop loop(scenario, seed);
-    const auto ball = [&](std::size_t i) { return loop.plant().state().balls[i].p_WB; };
-    double beside[2] = {0.0, 0.0};  // until each has arrived
-    bool arrived = false;
-    while (!arrived && loop.time() < 40.0) {
-      loop.step_1ms();
-      arrived = true;
-      for (const std::size_t i : {0, 1}) {
-        if (planner::past_end(line, ball(i).y())) continue;
-        arrived = false;
-        beside[i] = std::abs(ball(i).x() - line.x);
-      }
-    }
-    CHECK(arrived);
-    CHECK(std::max(beside[0], beside[1]) < 0.03);
+    CHECK(bring_along_the_line("two_balls", seed, 40.0) < 0.03);
   }
+}
+
+TEST_CASE("closed loop: C3+ brings three balls along the line, and four") {
+  CHECK(bring_along_the_line("three_balls_plus", 1, 60.0) < 0.03);
+  CHECK(bring_along_the_line("four_balls", 1, 80.0) < 0.03);
 }

@@ -428,11 +428,12 @@ TEST_CASE("planner: of several balls each has its states, each pair its forces")
     std::vector<std::string> overrides;
     int n_x, n_lambda, n_lambda_d;
   };
-  // [C3, VII-B]: 14 and 18 of two balls, 18 and 24 of three
+  // [C3, VII-B]: 14 and 18 of two balls, 18 and 24 of three; 22 and 60 of four
   for (const Sizes& sizes :
        {Sizes{"two_balls", {}, 14, 18, 18},
         Sizes{"three_balls", {"planner.model.contact_model=stewart_trinkle"}, 18, 36, 36},
         Sizes{"three_balls", {"planner.model.contact_model=anitescu"}, 18, 24, 36},
+        Sizes{"three_balls_plus", {}, 18, 36, 36}, Sizes{"four_balls", {}, 22, 60, 60},
         Sizes{"two_balls", {"planner.model.contacts.ball_ball=false"}, 14, 12, 18}}) {
     CAPTURE(sizes.scenario, sizes.n_lambda);
     const Parameters p = several(sizes.scenario, sizes.overrides);
