@@ -43,11 +43,17 @@ Parameters load_parameters(config::Section section) {
   Parameters p{};
   p.world.table_height = section.number("table_height_m", {-0.5, 0.5});
   p.world.table_tilt = section.numbers("table_tilt_rad", 2, {-0.3, 0.3});
+  if (section.has("table_tilt_drawn")) p.world.tilt_drawn = section.boolean("table_tilt_drawn");
   config::Section friction = section.section("friction");
   p.world.friction.ball_table = friction.number("ball_table", {0.01, 5});
   p.world.friction.ball_end_effector = friction.number("ball_end_effector", {0.01, 5});
   p.world.friction.ball_ball = friction.number("ball_ball", {0.01, 5});
   p.world.friction.end_effector_table = friction.number("end_effector_table", {0.01, 5});
+  if (friction.has("ball_drawn")) {
+    p.world.friction_drawn = friction.numbers("ball_drawn", 2, {0.01, 5});
+    if (p.world.friction_drawn->x() > p.world.friction_drawn->y())
+      friction.fail("ball_drawn", "the least, then the most", "the most first");
+  }
   p.world.rolling_friction = section.number("rolling_friction_m", {0, 0.005});
   p.world.step = section.number("step_s", {1e-4, 1e-3});
   if (!divides_cycle(p.world.step))

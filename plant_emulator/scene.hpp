@@ -2,6 +2,7 @@
 // The MuJoCo model of robot, table and balls; the plant steps it and the virtual cameras render it.
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,9 @@ struct World {
   double rolling_friction;  // lever of the rolling resistance, 0 for none [m]
   double step;              // of the integration [s]
   std::vector<BallParameters> balls;
+  bool tilt_drawn = false;  // table_tilt's direction is the seed's, its size the scenario's
+  // if there, both of the ball's coefficients are drawn between these from the seed
+  std::optional<Eigen::Vector2d> friction_drawn;
 };
 
 /// Point of the ground plan about which the table tilts: below the arm's home pose [m].

@@ -19,6 +19,7 @@
 #include "idl/dds.hpp"
 #include "idl/process.hpp"
 #include "idl/shutdown_listener.hpp"
+#include "plant_emulator/start.hpp"
 #include "vision/emulated.hpp"
 #include "vision/faulty_camera.hpp"
 #include "vision/tracker.hpp"
@@ -87,7 +88,7 @@ class EmulatedSource : public Source {
 class CameraSource : public Source {
  public:
   CameraSource(const config::Scenario& scenario, std::uint64_t seed)
-      : rig_(scenario.plant.world, scenario.vision, seed) {
+      : rig_(plant::drawn_table(scenario.plant.world, seed), scenario.vision, seed) {
     std::vector<Camera*> cameras;
     for (Camera* camera : rig_.cameras()) {
       faulty_.push_back(std::make_unique<FaultyCamera>(*camera));

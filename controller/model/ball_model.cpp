@@ -5,7 +5,8 @@
 namespace c3rt::model {
 namespace {
 
-constexpr double kGravity = 9.81;  // [m/s²]
+constexpr double kGravity = 9.81;        // [m/s²]
+constexpr double kRollingInertia = 1.4;  // m + I / r² of a solid sphere, over m
 using L = BallLayout;
 // velocities v = [v_WE; ω_WB; v_WB]
 constexpr int kVelocityEndEffector = 0, kVelocityOmega = 3, kVelocityBall = 6, kVelocities = 9,
@@ -115,6 +116,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   system.d_v = Eigen::VectorXd::Zero(kVelocities);
   system.d_v[kVelocityEndEffector + 2] = -kGravity;
   system.d_v[kVelocityBall + 2] = -kGravity;
+  system.d_v.segment<2>(kVelocityBall) = kRollingInertia * state.a_WB;
 
   const auto n_c = static_cast<Eigen::Index>(contacts.size());
   system.phi.resize(n_c);

@@ -27,6 +27,8 @@ struct BallState {
   Eigen::Vector3d v_WE;      // [m/s]
   Eigen::Vector3d omega_WB;  // in W [rad/s]
   Eigen::Vector3d v_WB;      // [m/s]
+  // what the ball does on the table with nothing but that in contact, in x and y [m/s²]
+  Eigen::Vector2d a_WB = Eigen::Vector2d::Zero();
 };
 
 /// x = [p_WE (3); q_WB w x y z (4); p_WB (3); v_WE (3); ω_WB (3); v_WB (3)], u = force on the end
@@ -56,7 +58,9 @@ enum class BallContact {
   kTable,        // ball and table
 };
 
-/// M_s evaluated at a state. Gravity acts on ball and end effector.
+/// M_s evaluated at a state. Gravity acts on ball and end effector. a_WB is part of d: the force at
+/// the ball's centre that makes a rolling ball accelerate so, 7/5 m a, as on a table that is
+/// tilted.
 /// @param contacts those that the model has, in the order of its λ. BallLayout is for both of them
 /// in their order, the default.
 /// Precondition: the centres of end effector and ball differ.

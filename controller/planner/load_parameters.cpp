@@ -72,6 +72,16 @@ void load_contacts(config::Section& model, Parameters& parameters) {
     model.fail("contacts", "at least one pair that is true", "none");
 }
 
+DisturbanceParameters load_disturbance(config::Section section) {
+  DisturbanceParameters disturbance{};
+  disturbance.noise = section.number("noise_m", {1e-6, 0.1});
+  disturbance.memory = section.number("memory_s", {0.01, 1e4});
+  disturbance.limit = section.number("limit_m_per_s2", {1e-3, 10});
+  disturbance.gap = section.number("gap_m", {0, 0.1});
+  disturbance.settle = section.number("settle_s", {0, 1});
+  return disturbance;
+}
+
 }  // namespace
 
 Parameters load_parameters(config::Section section, const Task& task, int balls) {
@@ -93,6 +103,8 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   if (section.has("table_below_ball"))
     parameters.table_below_ball = section.boolean("table_below_ball");
   parameters.tilt = section.number("tool_tilt_rad", {0, 0.6});
+  if (balls == 1 && section.has("ball_disturbance"))
+    parameters.disturbance = load_disturbance(section.section("ball_disturbance"));
 
   config::Section model = section.section("model");
   parameters.model.end_effector_mass = model.number("end_effector_mass_kg", {1e-4, 100});
@@ -128,6 +140,8 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1}, none.roll_reach);
   parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1}, none.return_gap);
   parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1}, none.return_lead);
+  if (heuristic.has("return_follows"))
+    parameters.heuristic.return_follows = heuristic.boolean("return_follows");
   parameters.heuristic.target_reach =
       heuristic.number("target_reach_m", {1e-3, 1}, none.target_reach);
 

@@ -7,7 +7,7 @@ using L = model::BallLayout;
 
 model::BallState ball_state(const Scene& scene) {
   const Ball& ball = scene.balls[0];
-  return {scene.p_WE, ball.q_WB, ball.p_WB, scene.v_WE, ball.omega_WB, ball.v_WB};
+  return {scene.p_WE, ball.q_WB, ball.p_WB, scene.v_WE, ball.omega_WB, ball.v_WB, ball.a_WB};
 }
 
 class OneBall : public PlanningModel {

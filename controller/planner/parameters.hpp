@@ -54,6 +54,8 @@ struct HeuristicParameters {
   double roll_reach = std::numeric_limits<double>::infinity();
   // Beyond Figure 10: Phase II is drawn to where the ball will be after this time [s]
   double return_lead = 0.0;
+  // and moves with the ball from stage to stage of the horizon
+  bool return_follows = false;
   // Beyond (25): the target is drawn no farther from the ball than this, so that one that was
   // pushed away is brought back at the usual speed [m]
   double target_reach = std::numeric_limits<double>::infinity();
@@ -75,6 +77,15 @@ struct ApproachParameters {
   Eigen::Vector2d reach_min,
       reach_max;       // a ball outside this box of the table is out of reach, in W [m]
   double settle_time;  // C3 starts after this long in the start pose with a ball in view [s]
+};
+
+/// How the ball's acceleration is learnt while nobody touches it.
+struct DisturbanceParameters {
+  double noise;   // of a seen position, standard deviation [m]
+  double memory;  // what was seen longer ago than this, of untouched rolling, fades [s]
+  double limit;   // the acceleration is never longer than this [m/s²]
+  double gap;     // an end effector nearer than this may touch the ball [m]
+  double settle;  // nor is the ball looked at for this long after a touch [s]
 };
 
 enum class DeltaTcSource {
@@ -110,6 +121,7 @@ struct Parameters {
   // the table is where the ball lies on it, whatever height the model says: a tilt moves it by
   // millimetres
   bool table_below_ball = false;
+  std::optional<DisturbanceParameters> disturbance;  // of one ball alone; none: not learnt
   double tilt;  // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
 

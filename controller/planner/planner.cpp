@@ -47,6 +47,7 @@ Mode next(Mode mode, const Situation& situation) {
 }
 
 Planner::Planner(const Parameters& parameters) : parameters_(parameters), step_(parameters) {
+  if (parameters.disturbance) disturbance_.emplace(*parameters.disturbance);
   plan_.lambda_d = Eigen::VectorXd::Zero(step_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(step_.n_x(), parameters.N);
   plan_.lambda = Eigen::MatrixXd::Zero(step_.n_lambda(), parameters.N);
@@ -83,6 +84,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   periods_[static_cast<std::size_t>(period_count_++)] = period;
 
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
+  observe_ball(input, in_c3 && c3_since_ >= 0.0);
   advance_phase(input, in_c3 && c3_since_ >= 0.0);
   Situation known = situation(input);
   // one ball for a whole cycle: half-way to another one nothing is gained
@@ -133,6 +135,21 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   plan_.mode = mode_;
   plan_.ball = ball_;
   return plan_;
+}
+
+void Planner::observe_ball(const Input& input, bool in_c3) noexcept {
+  if (!disturbance_) return;
+  // before C3 has touched it somebody may hold the ball
+  if (!in_c3) ball_touched_ = -1.0;
+  if (!in_c3 || !input.balls[0].fresh || !finite(input.balls[0].ball)) return;
+  const Scene scene = estimate(input);
+  const double gap = (scene.balls[0].p_WB - scene.p_WE).norm() - parameters_.model.ball_radius -
+                     parameters_.model.end_effector_radius;
+  if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
+  if (ball_touched_ < 0.0) return;
+  const double exposure = input.now - input.balls[0].age;
+  disturbance_->observe(exposure, input.balls[0].ball.p_WB.head<2>(),
+                        exposure < ball_touched_ + parameters_.disturbance->settle);
 }
 
 void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
@@ -266,6 +283,7 @@ Scene Planner::estimate(const Input& input) const noexcept {
     ball = seen.ball;
     // the camera saw the ball a while ago; the arm's state is of now
     if (parameters_.predict_ball) ball.p_WB = seen.ball.p_WB + seen.age * seen.ball.v_WB;
+    if (disturbance_) ball.a_WB = disturbance_->acceleration();
   }
   return scene;
 }
@@ -309,12 +327,16 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
       ball.p_WB = state.p_WB;
     }
   }
-  Eigen::Vector3d meeting = x_hat.balls[worked].p_WB;
-  if (phase_ != Phase::kRoll)
-    meeting.head<2>() += parameters_.heuristic.return_lead * x_hat.balls[worked].v_WB.head<2>();
-  desired.p_WE = end_effector_target(parameters_.heuristic, parameters_.model, phase_, x_hat.p_WE,
-                                     meeting, target_now);
+  const Ball& rolled = x_hat.balls[worked];
+  const Eigen::Vector3d drawn = end_effector_target(parameters_.heuristic, parameters_.model,
+                                                    phase_, x_hat.p_WE, rolled.p_WB, target_now);
   for (int k = 0; k <= parameters_.N; ++k) {
+    desired.p_WE = drawn;
+    if (phase_ != Phase::kRoll) {
+      const double lead = parameters_.heuristic.return_lead +
+                          (parameters_.heuristic.return_follows ? k * parameters_.dt : 0.0);
+      desired.p_WE.head<2>() += lead * rolled.v_WB.head<2>() + 0.5 * lead * lead * rolled.a_WB;
+    }
     for (int i = 0; i < x_hat.ball_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
       const double ahead = k * parameters_.dt;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "controller/planner/ball_disturbance.hpp"
 #include "controller/planner/c3_step.hpp"
 #include "controller/planner/heuristic.hpp"
 #include "controller/planner/parameters.hpp"
@@ -81,6 +82,11 @@ class Planner {
   };
   const Counters& counters() const noexcept { return counters_; }
 
+  /// What is believed to accelerate a ball that nobody touches; 0 if it is not learnt [m/s²].
+  Eigen::Vector2d disturbance() const noexcept {
+    return disturbance_ ? disturbance_->acceleration() : Eigen::Vector2d(Eigen::Vector2d::Zero());
+  }
+
  private:
   Situation situation(const Input& input) const noexcept;
   /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
@@ -89,6 +95,8 @@ class Planner {
 
   void approach(const Input& input) noexcept;
   void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
+  /// Learns what accelerates the ball that C3 has touched and nobody touches now.
+  void observe_ball(const Input& input, bool in_c3) noexcept;
   /// The phase of the heuristic now; where the ball has run away its clock starts anew.
   void advance_phase(const Input& input, bool in_c3) noexcept;
   /// The balls at the time of the arm's state.
@@ -112,6 +120,8 @@ class Planner {
   Eigen::Vector3d reference_velocity_ = Eigen::Vector3d::Zero();
   bool descending_ = false;  // the last part of the approach
   bool touched_ = false;     // in this Phase I
+  std::optional<BallDisturbance> disturbance_;
+  double ball_touched_ = -1.0;  // the end effector was last near the ball; negative: not yet [s]
   double previous_now_ = -1.0, settled_since_ = -1.0, c3_since_ = -1.0;
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;

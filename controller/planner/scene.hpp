@@ -12,6 +12,7 @@ struct Ball {
   Eigen::Vector3d p_WB, v_WB;  // [m, m/s]
   Eigen::Vector3d omega_WB;    // in W [rad/s]
   Eigen::Quaterniond q_WB;
+  Eigen::Vector2d a_WB = Eigen::Vector2d::Zero();  // of x and y, where nothing touches it [m/s²]
 };
 
 struct Scene {

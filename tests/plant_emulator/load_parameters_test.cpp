@@ -47,6 +47,18 @@ TEST_CASE("the plant's section is read key by key") {
         0.01);
 }
 
+TEST_CASE("the table's tilt and the ball's friction may be left to the seed") {
+  CHECK_FALSE(parse(kYaml).world.tilt_drawn);
+  CHECK_FALSE(parse(kYaml).world.friction_drawn);
+  CHECK(parse(kYaml + "table_tilt_drawn: true\n").world.tilt_drawn);
+  const auto friction = [](const std::string& bounds) {
+    return replaced("end_effector_table: 0.5}",
+                    "end_effector_table: 0.5, ball_drawn: " + bounds + "}");
+  };
+  CHECK(parse(friction("[0.3, 1.2]")).world.friction_drawn == Eigen::Vector2d(0.3, 1.2));
+  CHECK_THROWS_WITH(parse(friction("[1.2, 0.3]")), Catch::Contains("ball_drawn"));
+}
+
 TEST_CASE("pushes and a hand that holds the ball may be asked for") {
   const std::string pushes =
       "pushes: {count: 3, from_s: 5, until_s: 50, impulse_min_n_s: 0.001, impulse_max_n_s: 0.01}\n";

@@ -1,5 +1,6 @@
 #include "plant_emulator/start.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -46,6 +47,46 @@ TEST_CASE("a seed draws the same again, and for one ball whatever the other's sp
   CHECK(offset(two_balls(0.01, 0.01), 7, 0) != offset(two_balls(0.01, 0.01), 8, 0));
   CHECK(offset(two_balls(0.0, 0.01), 7, 1) == offset(two_balls(0.01, 0.01), 7, 1));
   CHECK(offset(two_balls(0.01, 0.01), 7, 0) != offset(two_balls(0.01, 0.01), 7, 1));
+}
+
+TEST_CASE("a drawn tilt has the scenario's size and every direction, the same again for a seed") {
+  World world{};
+  world.table_tilt = {0.003, -0.004};
+  CHECK(drawn_table(world, 3).table_tilt == world.table_tilt);
+  world.tilt_drawn = true;
+  constexpr int kDraws = 400;
+  int quarter[4] = {0, 0, 0, 0};
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    const Eigen::Vector2d tilt = drawn_table(world, seed).table_tilt;
+    REQUIRE(tilt.norm() == Approx(0.005));
+    ++quarter[(tilt.x() > 0.0 ? 1 : 0) + (tilt.y() > 0.0 ? 2 : 0)];
+  }
+  // five standard deviations of a quarter of the draws
+  for (const int count : quarter) CHECK(std::abs(count - kDraws / 4) < 44);
+  CHECK(drawn_table(world, 5).table_tilt == drawn_table(world, 5).table_tilt);
+}
+
+TEST_CASE("drawn friction lies between its bounds, is the ball's alone, and leaves the tilt") {
+  World world{};
+  world.friction = {1.0, 1.0, 0.7, 0.8};
+  world.table_tilt = {0.005, 0.0};
+  world.tilt_drawn = true;
+  World drawn = world;
+  drawn.friction_drawn = Eigen::Vector2d(0.3, 1.2);
+  double least = 2.0, most = 0.0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const World table = drawn_table(drawn, seed);
+    for (const double mu : {table.friction.ball_table, table.friction.ball_end_effector}) {
+      least = std::min(least, mu);
+      most = std::max(most, mu);
+    }
+    REQUIRE(table.friction.ball_table != table.friction.ball_end_effector);
+    REQUIRE(table.friction.ball_ball == 0.7);
+    REQUIRE(table.friction.end_effector_table == 0.8);
+    REQUIRE(table.table_tilt == drawn_table(world, seed).table_tilt);
+  }
+  CHECK((least >= 0.3 && least < 0.32));
+  CHECK((most <= 1.2 && most > 1.18));
 }
 
 }  // namespace

@@ -226,6 +226,22 @@ TEST_CASE("ball model: the caller chooses the contacts and their order") {
   CHECK(x[L::v_WB + 2] == Approx(-kGravity * 0.01));
 }
 
+TEST_CASE("ball model: a ball that rolls freely accelerates as its a_WB says, in any direction") {
+  const double dt = 0.05;
+  for (const Eigen::Vector2d& a : {Eigen::Vector2d(0.12, 0.0), Eigen::Vector2d(-0.05, 0.08)}) {
+    model::BallState state = resting();
+    state.a_WB = a;
+    const lcs::Lcs lcs = model::stewart_trinkle(model::ball_contact_system(kModel, state), dt);
+    lcs::Lemke lemke(L::n_lambda);
+    VectorXd x(L::n_x), lambda(L::n_lambda);
+    REQUIRE(lcs::step(lcs, model::to_vector(state), kHover, lemke, x, lambda).ok());
+    CHECK((x.segment<2>(L::v_WB) - dt * a).norm() < 1e-9);
+    // and it rolls: the point that touches the table is at rest
+    CHECK(x[L::omega_WB] == Approx(-dt * a.y() / kModel.ball_radius));
+    CHECK(x[L::omega_WB + 1] == Approx(dt * a.x() / kModel.ball_radius));
+  }
+}
+
 TEST_CASE("ball model: scaling the forces leaves the next state as it is") {
   model::BallState state = resting();
   state.v_WB.x() = 0.3;
