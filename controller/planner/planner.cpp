@@ -27,6 +27,11 @@ bool within(const ApproachParameters& reach, const Eigen::Vector2d& ball) {
          (ball.array() <= reach.reach_max.array()).all();
 }
 
+// How far a ball that nobody touches gets in a time.
+Eigen::Vector2d rolled_on(const Ball& ball, double time) {
+  return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
+}
+
 }  // namespace
 
 Mode next(Mode mode, const Situation& situation) {
@@ -328,14 +333,17 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
     }
   }
   const Ball& rolled = x_hat.balls[worked];
+  const bool follows = phase_ != Phase::kRoll && parameters_.heuristic.return_follows;
+  Eigen::Vector3d meeting = rolled.p_WB;
+  if (phase_ != Phase::kRoll && !follows)
+    meeting.head<2>() += rolled_on(rolled, parameters_.heuristic.return_lead);
   const Eigen::Vector3d drawn = end_effector_target(parameters_.heuristic, parameters_.model,
-                                                    phase_, x_hat.p_WE, rolled.p_WB, target_now);
+                                                    phase_, x_hat.p_WE, meeting, target_now);
   for (int k = 0; k <= parameters_.N; ++k) {
     desired.p_WE = drawn;
-    if (phase_ != Phase::kRoll) {
-      const double lead = parameters_.heuristic.return_lead +
-                          (parameters_.heuristic.return_follows ? k * parameters_.dt : 0.0);
-      desired.p_WE.head<2>() += lead * rolled.v_WB.head<2>() + 0.5 * lead * lead * rolled.a_WB;
+    if (follows) {
+      desired.p_WE.head<2>() +=
+          rolled_on(rolled, parameters_.heuristic.return_lead + k * parameters_.dt);
     }
     for (int i = 0; i < x_hat.ball_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
