@@ -12,17 +12,19 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
-constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
-constexpr double kGrowth = 2.0;        // releases from an end beside those before
-constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
-constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
-constexpr double kTolerance = 1e-10;   // of bounds and of signs of multipliers
-constexpr double kAcceptable = 1e-7;   // residual; worse: not solved
-constexpr double kToBoundary = 0.995;  // share of the way to the boundary
-constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
-constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, to prove infeasible
-constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
+constexpr int kPatience = 5;        // rounds that hold new rows and correct no less than before
+constexpr int kMaxCorrections = 8;  // of the multipliers of held rows
+constexpr double kWorst = 0.95;     // of a run's largest violation: held
+constexpr double kWorstBesideHeld = 0.8;  // the same in a run that goes on from held rows
+constexpr double kRemeasure = 2.0;        // change of rho after which compliances are measured anew
+constexpr double kStiffness = 1e7;        // of held rows, beside that of the problem against them
+constexpr double kConverged = 1e-13;      // estimated error beside the largest entry of its kind
+constexpr double kTolerance = 1e-10;      // of bounds and of signs of multipliers
+constexpr double kAcceptable = 1e-7;      // residual; worse: not solved
+constexpr double kToBoundary = 0.995;     // share of the way to the boundary
+constexpr double kSettled = 1e-6;         // the same; worse: the held rows are given up
+constexpr double kCancelled = 1e-8;  // pull of multipliers beside its terms, to prove infeasible
+constexpr double kFar = 1e4;         // nor is a solution sought so many times beyond the point
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
 /// How far a value may be beyond its bound.
@@ -43,7 +45,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   sides_.clear();
   held_.assign(rows.all(), Held::kNo);
   guess_ = held_;
-  ends_.assign(rows.all(), End{});
+  violated_ = held_;
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
     if (row.lower == row.upper) continue;
@@ -59,6 +61,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
 }
 
 void InteriorPointQp::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
+  rho_measured_ = 0.0;
   direct_->start(lcs, W, lambda_0);
   model_.start(lcs, W, lambda_0);
   n_sides_ = 0;
@@ -72,12 +75,15 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
                                 Eigen::Ref<VectorXd> x_N) noexcept {
   if (model_.rows().count() == 0) return direct_->solve(rho, x0, x_desired, g, z, x_N);
   model_.aim(rho, x0, x_desired, g);
-  weight_.setZero();
   iterations_ = 0;
-  if (!model_.factor(weight_)) {
-    return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+  if (!(rho <= kRemeasure * rho_measured_ && rho_measured_ <= kRemeasure * rho)) {
+    weight_.setZero();
+    if (!model_.factor(weight_)) {
+      return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+    }
+    model_.measure(compliance_);
+    rho_measured_ = rho;
   }
-  model_.measure(compliance_);
   QpStatus status = QpStatus::kSolved;
   if (!settle()) status = iterate();
   z = model_.z();
@@ -104,7 +110,7 @@ double InteriorPointQp::target(int row) const noexcept {
 /// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
 /// row to its bound, and what pull is left becomes its multiplier [method of multipliers], until no
 /// pull is left.
-bool InteriorPointQp::hold() noexcept { return tie() && pull_to_the_end(); }
+bool InteriorPointQp::hold() noexcept { return tie() && pull() && pull_to_the_end(); }
 
 /// Ties springs to the held rows.
 bool InteriorPointQp::tie() noexcept {
@@ -119,7 +125,7 @@ bool InteriorPointQp::tie() noexcept {
 /// One pull of the springs.
 bool InteriorPointQp::pull() noexcept {
   const int n = model_.rows().count();
-  stationarity_ = model_.differentiate(multiplier_);
+  model_.differentiate(multiplier_);
   for (int i = 0; i < n; ++i) {
     extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - target(i));
   }
@@ -130,13 +136,14 @@ bool InteriorPointQp::pull() noexcept {
   return std::isfinite(model_.relative_step());
 }
 
+/// More pulls, after a first one.
 bool InteriorPointQp::pull_to_the_end() noexcept {
-  double change = 0.0;
+  double change = model_.relative_step();
   for (int round = 0; round < kMaxCorrections; ++round) {
-    if (!pull()) return false;
     const double previous = change;
+    if (!pull()) return false;
     change = model_.relative_step();
-    if (round > 0 && (change * change <= kConverged * previous || change > 0.5 * previous)) break;
+    if (change * change <= kConverged * previous || change > 0.5 * previous) break;
   }
   if (!(change <= kSettled)) return false;
   // rows that contradict each other end in a compromise
@@ -153,9 +160,6 @@ bool InteriorPointQp::pull_to_the_end() noexcept {
 /// springs' stiffness, is enough to correct a guess; one that stands is pulled to the end.
 bool InteriorPointQp::settle() noexcept {
   int fewest = std::numeric_limits<int>::max(), patience = kPatience;
-  bool shrinks = true;
-  corrections_ = 0;
-  std::fill(ends_.begin(), ends_.end(), End{});
   while (patience > 0) {
     if (!tie() || !pull()) return false;
     Corrections made = correct_guess();
@@ -164,10 +168,8 @@ bool InteriorPointQp::settle() noexcept {
       made = correct_guess();
       if (made.all() == 0) return true;
     }
-    if (shrinks) shrink_runs();
     // what only lets go comes to an end; what also takes may go in circles
     if (made.taken > 0 && made.all() >= fewest) {
-      shrinks = false;
       --patience;
     } else if (made.all() < fewest) {
       fewest = made.all();
@@ -177,40 +179,12 @@ bool InteriorPointQp::settle() noexcept {
   return false;
 }
 
-/// Where an entry of z is held over too many stages only the end of that run pulls the wrong way,
-/// so that letting go of wrong rows alone shortens it stage by stage, in more corrections the
-/// longer the horizon. Here the run is shortened at once by the length that the pull asks for: it
-/// falls about linearly, by what the correction before has shown [secant].
-void InteriorPointQp::shrink_runs() noexcept {
-  for (int i = 0; i < model_.rows().count(); ++i) {
-    if (held_[i] != Held::kNo || guess_[i] == Held::kNo) continue;
-    for (const int inwards : {1, -1}) {
-      const auto is_held = [&](int row) {
-        return row >= 0 && row < model_.rows().count() && held_[row] == guess_[i];
-      };
-      const int outer = model_.rows().beside(i, -inwards);
-      int inner = model_.rows().beside(i, inwards);
-      if (!is_held(inner) || (outer >= 0 && guess_[outer] == guess_[i])) continue;
-      const double pull = std::abs(multiplier_[i]);
-      double length = 1.0;
-      if (outer >= 0 && ends_[outer].correction == corrections_ - 1) {
-        const double fall = (ends_[outer].pull - pull) / ends_[outer].released;
-        if (fall > 0.0) length = std::min(pull / fall, kGrowth * ends_[outer].released);
-      }
-      int released = 1, last = i;
-      for (; released + 1 <= length && is_held(inner); ++released) {
-        held_[inner] = Held::kNo;
-        last = inner;
-        inner = model_.rows().beside(inner, inwards);
-      }
-      ends_[last] = {corrections_, released, pull};
-    }
-  }
-}
-
+/// Lets go of rows that pull the wrong way and holds rows that are violated. Where an entry of z is
+/// violated over a run of stages, the bound holds at far fewer in the end: holding all of them,
+/// only the ends of the run would pull the wrong way, and it would shrink by a stage a correction.
+/// So only the worst of each run are held, from which the set grows outwards in a few corrections.
 InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
   guess_ = held_;
-  ++corrections_;
   const int n = model_.rows().count();
   double pull = 0.0;
   for (int i = 0; i < n; ++i) {
@@ -218,6 +192,7 @@ InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
   }
   Corrections made;
   for (int i = 0; i < n; ++i) {
+    violated_[i] = Held::kNo;
     if (held_[i] == Held::kEquality) continue;
     const double tolerance = kTolerance * pull / std::sqrt(compliance_[i]);
     if ((held_[i] == Held::kLower && multiplier_[i] < -tolerance) ||
@@ -227,16 +202,44 @@ InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
     } else if (held_[i] == Held::kNo) {
       const QpRows::Row& row = model_.rows()[i];
       const double value = model_.value()[i];
-      if (value < row.lower - slack(value)) {
-        held_[i] = Held::kLower;
-        ++made.taken;
-      } else if (value > row.upper + slack(value)) {
-        held_[i] = Held::kUpper;
-        ++made.taken;
-      }
+      if (value < row.lower - slack(value)) violated_[i] = Held::kLower;
+      if (value > row.upper + slack(value)) violated_[i] = Held::kUpper;
     }
   }
+  for (int i = 0; i < n; ++i) {
+    const int earlier = model_.rows().beside(i, -1);
+    if (violated_[i] == Held::kNo || is(violated_, earlier, violated_[i])) continue;
+    made.taken += hold_worst(i);
+  }
   return made;
+}
+
+/// Whether a row, if there is one (−1: no), is of this kind.
+bool InteriorPointQp::is(const std::vector<Held>& rows, int row, Held kind) const noexcept {
+  return row >= 0 && row < model_.rows().count() && rows[row] == kind;
+}
+
+/// Holds the worst of the run of violated rows that begins here; returns how many.
+int InteriorPointQp::hold_worst(int first) noexcept {
+  const QpRows& rows = model_.rows();
+  const Held side = violated_[first];
+  const auto outside = [&](int row) {
+    return side == Held::kLower ? rows[row].lower - model_.value()[row]
+                                : model_.value()[row] - rows[row].upper;
+  };
+  double worst = 0.0;
+  int end = first;
+  bool beside_held = is(guess_, rows.beside(first, -1), side);
+  for (; is(violated_, end, side); end = rows.beside(end, 1)) worst = std::max(worst, outside(end));
+  beside_held = beside_held || is(guess_, end, side);
+  const double least = (beside_held ? kWorstBesideHeld : kWorst) * worst;
+  int held = 0;
+  for (int i = first; i != end; i = rows.beside(i, 1)) {
+    if (outside(i) < least) continue;
+    held_[i] = side;
+    ++held;
+  }
+  return held;
 }
 
 /// Mehrotra's predictor-corrector from the point where only equalities are held.
@@ -256,7 +259,7 @@ QpStatus InteriorPointQp::iterate() noexcept {
                               std::sqrt(compliance_[side.row]));
     }
     collect_multipliers();
-    stationarity_ = model_.differentiate(multiplier_);
+    model_.differentiate(multiplier_);
     const double unit = violation_ * violation_;
     if (off <= kGaps[next_gap] * violation_ && gap <= kGaps[next_gap] * unit) {
       z_kept_ = model_.z();
@@ -266,7 +269,7 @@ QpStatus InteriorPointQp::iterate() noexcept {
       if (settle()) return QpStatus::kSolved;
       model_.go_to(z_kept_, x_N_kept_);
       multiplier_ = multiplier_kept_;
-      stationarity_ = model_.differentiate(multiplier_);
+      model_.differentiate(multiplier_);
       if (++next_gap == std::size(kGaps)) return QpStatus::kSolved;
     }
     if (off > 1e-8 * violation_ && is_infeasible()) return QpStatus::kInfeasible;
@@ -274,7 +277,7 @@ QpStatus InteriorPointQp::iterate() noexcept {
     if (!newton_step()) return QpStatus::kNotFactorable;
   }
   collect_multipliers();
-  stationarity_ = model_.differentiate(multiplier_);
+  model_.differentiate(multiplier_);
   return QpStatus::kIterationLimit;
 }
 
@@ -403,7 +406,7 @@ bool InteriorPointQp::is_infeasible() noexcept {
 
 /// The largest of the three optimality conditions, each beside its terms.
 double InteriorPointQp::residual() noexcept {
-  double worst = model_.differentiate(multiplier_);
+  double worst = model_.stationarity(multiplier_);
   double pull = 0.0;
   for (int i = 0; i < model_.rows().count(); ++i) {
     pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));

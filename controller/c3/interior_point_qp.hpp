@@ -40,12 +40,6 @@ class InteriorPointQp final : public QpStep {
     int taken = 0, released = 0;
     int all() const noexcept { return taken + released; }
   };
-  /// Where a run of held rows ended until a correction let go of `released` rows from its end.
-  struct End {
-    int correction = -1;  // the how-many-th
-    int released = 0;
-    double pull = 0.0;  // the wrong way, at the end
-  };
 
   QpStatus iterate() noexcept;
   void release() noexcept;
@@ -55,7 +49,8 @@ class InteriorPointQp final : public QpStep {
   bool pull_to_the_end() noexcept;
   bool settle() noexcept;
   Corrections correct_guess() noexcept;
-  void shrink_runs() noexcept;
+  int hold_worst(int first) noexcept;
+  bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
   void enter() noexcept;
   void start_sides() noexcept;
   bool newton_step() noexcept;
@@ -68,18 +63,17 @@ class InteriorPointQp final : public QpStep {
   std::unique_ptr<QpStep> direct_;
   QpModel model_;
   int iterations_ = 0;
-  int corrections_ = 0;
-  int n_sides_ = 0;          // with λ_0 fixed some are left out
-  std::vector<Side> sides_;  // in the order of the rows
-  std::vector<Held> held_;   // per row
-  std::vector<Held> guess_;  // the one before
-  std::vector<End> ends_;    // per row: of the run of held rows that ended here
+  int n_sides_ = 0;             // with λ_0 fixed some are left out
+  std::vector<Side> sides_;     // in the order of the rows
+  std::vector<Held> held_;      // per row
+  std::vector<Held> guess_;     // the one before
+  std::vector<Held> violated_;  // per row: the side
   // per row: aᵀ H⁻¹ a, weight of aaᵀ, multiplier (positive: at the lower bound), extra gradient
   Eigen::VectorXd compliance_, weight_, multiplier_, extra_;
+  double rho_measured_ = 0.0;  // with which the compliances were found
   // per side
   Eigen::VectorXd s_, y_, ds_, dy_, ds_affine_, dy_affine_;
   double violation_ = 0.0;  // the largest at the start of the iterations, in units of √cost
-  double stationarity_ = 0.0;
   Eigen::MatrixXd z_kept_;
   Eigen::VectorXd x_N_kept_, multiplier_kept_;
 };

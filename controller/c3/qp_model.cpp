@@ -90,12 +90,15 @@ void QpModel::measure(VectorXd& compliance) noexcept {
 
 double QpModel::differentiate(const VectorXd& multiplier) noexcept {
   const double term = cost_.gradient(z_, x_N_, gradient_, gradient_N_);
-  double largest = riccati_.largest_gain() * term;
   for (int i = 0; i < rows_.count(); ++i) {
-    if (multiplier[i] == 0.0) continue;
-    rows_.add(i, -multiplier[i], gradient_, gradient_N_);
-    largest = std::max(largest, std::abs(multiplier[i]));
+    if (multiplier[i] != 0.0) rows_.add(i, -multiplier[i], gradient_, gradient_N_);
   }
+  return term;
+}
+
+double QpModel::stationarity(const VectorXd& multiplier) noexcept {
+  double largest = riccati_.largest_gain() * differentiate(multiplier);
+  for (int i = 0; i < rows_.count(); ++i) largest = std::max(largest, std::abs(multiplier[i]));
   const Riccati::Reduced reduced = riccati_.reduce(gradient_, gradient_N_);
   return reduced.largest == 0.0 ? 0.0 : reduced.largest / std::max(reduced.scale, largest);
 }

@@ -37,9 +37,10 @@ class QpModel {
   [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
   /// Fills `compliance` of the rows (see Riccati::compliance), never zero. RT.
   void measure(Eigen::VectorXd& compliance) noexcept;
-  /// The gradient H z − h − Σ m a here: keeps it and returns its largest component in ν beside its
-  /// largest term. RT.
+  /// Keeps the gradient H z − h − Σ m a of this point, and returns the largest term of it. RT.
   double differentiate(const Eigen::VectorXd& multiplier) noexcept;
+  /// The same gradient's largest component in ν beside its largest term. RT.
+  double stationarity(const Eigen::VectorXd& multiplier) noexcept;
   /// The same of −Σ m a alone, nothing kept. RT.
   Riccati::Reduced pull(const Eigen::VectorXd& multiplier) noexcept;
   /// The step of the factored model with the gradient kept plus Σ e a. RT.
