@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kApproachRest = 0.5;  // of the tolerance: a goal nearer than this is reached
 constexpr double kApproachAcceleration = 1.0;  // of the reference [m/s²]
+constexpr double kHeightDoubt = 5e-4;          // of the cameras, of a ball [m]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
@@ -178,7 +179,17 @@ void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
 
 double Planner::lowered(Scene& scene, std::size_t worked) const noexcept {
   const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
-  const double rise = scene.balls[worked].p_WB.z() - ball_height;
+  double rise = scene.balls[worked].p_WB.z() - ball_height;
+  // A ball that is seen too high would be planned to hold the end effector up, and the press on it,
+  // some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
+  // much.
+  const double touching = parameters_.model.ball_radius + parameters_.model.end_effector_radius;
+  const Eigen::Vector3d above = scene.p_WE - scene.balls[worked].p_WB;
+  const double over_square = touching * touching - above.head<2>().squaredNorm();
+  if (over_square > 0.0 && above.z() > 0.0) {
+    const double overlap = std::sqrt(over_square) - above.z();
+    rise -= std::min(std::max(overlap, 0.0), kHeightDoubt);
+  }
   scene.p_WE.z() -= rise;
   for (Ball& ball : scene.balls) ball.p_WB.z() -= rise;
   return rise;

@@ -400,6 +400,22 @@ TEST_CASE("planner: where the table is lower below the ball, the whole plan is l
   CHECK((low.v_WE - level.v_WE).norm() < 1e-7);
 }
 
+TEST_CASE(
+    "planner: a ball seen a little too high is pressed on, and does not hold the end effector up") {
+  const auto planned_height = [&](double too_high) {
+    Parameters p = parameters();
+    p.table_below_ball = true;
+    Follower follower(p);
+    REQUIRE(follower.until(Mode::kRoll, 2000));
+    const double touching = p.model.ball_radius + p.model.end_effector_radius;
+    Input input = input_at(follower.now, kBall + touching * Vector3d::UnitZ());
+    input.balls[0].ball.p_WB.z() += too_high;
+    return follower.planner.step(input).p_WE.z();
+  };
+  CHECK(planned_height(1e-4) < planned_height(0.0) - 3e-5);
+  CHECK(planned_height(3e-4) < planned_height(0.0) - 3e-5);
+}
+
 namespace {
 
 Parameters several(const std::string& name, const std::vector<std::string>& overrides = {}) {
