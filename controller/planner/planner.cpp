@@ -28,6 +28,12 @@ bool within(const ApproachParameters& reach, const Eigen::Vector2d& ball) {
          (ball.array() <= reach.reach_max.array()).all();
 }
 
+// Between the surfaces of end effector and ball [m].
+double gap_between(const model::BallModelParameters& model, const Scene& scene, int ball) {
+  const double distance = (scene.balls[static_cast<std::size_t>(ball)].p_WB - scene.p_WE).norm();
+  return distance - model.ball_radius - model.end_effector_radius;
+}
+
 // How far a ball that nobody touches gets in a time.
 Eigen::Vector2d rolled_on(const Ball& ball, double time) {
   return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
@@ -148,9 +154,7 @@ void Planner::observe_ball(const Input& input, bool in_c3) noexcept {
   // before C3 has touched it somebody may hold the ball
   if (!in_c3) ball_touched_ = -1.0;
   if (!in_c3 || !input.balls[0].fresh || !finite(input.balls[0].ball)) return;
-  const Scene scene = estimate(input);
-  const double gap = (scene.balls[0].p_WB - scene.p_WE).norm() - parameters_.model.ball_radius -
-                     parameters_.model.end_effector_radius;
+  const double gap = gap_between(parameters_.model, estimate(input), 0);
   if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
   if (ball_touched_ < 0.0) return;
   const double exposure = input.now - input.balls[0].age;
@@ -166,9 +170,7 @@ void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
   }
   const Scene scene = estimate(input);
   const Eigen::Vector3d& p_WB = scene.balls[static_cast<std::size_t>(ball_)].p_WB;
-  const double distance = (p_WB - scene.p_WE).norm();
-  const double gap =
-      distance - parameters_.model.ball_radius - parameters_.model.end_effector_radius;
+  const double gap = gap_between(parameters_.model, scene, ball_);
   touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
   const bool slipped_off = (scene.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
   if ((touched_ && gap > parameters_.heuristic.return_gap) || slipped_off) {
