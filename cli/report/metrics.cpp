@@ -4,11 +4,12 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "cli/report/tracking.hpp"
+
 namespace c3rt::cli {
 namespace {
 
 constexpr double kNs = 1e-9;                           // [s]
-constexpr std::int64_t kSettling = 1'000'000'000;      // first second of tracking [ns]
 constexpr std::int64_t kLargestSceneGap = 50'000'000;  // truth is not interpolated over more [ns]
 constexpr double kNarrowBand = 0.01;                   // [m]
 
@@ -244,24 +245,6 @@ std::int64_t start_ns(const Series& series) {
   return series.scene.empty() ? 0 : series.scene.front().time_ns;
 }
 
-TrackingError tracking_error(const Series& series) {
-  TrackingError result;
-  std::int64_t tracking_since = 0;
-  for (const CommandRow& command : series.command) {
-    if (!command.tracking) continue;
-    if (tracking_since == 0) tracking_since = command.time_ns;
-    if (command.time_ns - tracking_since < kSettling) continue;
-    const auto state =
-        std::lower_bound(series.state.begin(), series.state.end(), command.state_ns,
-                         [](const StateRow& row, std::int64_t t) { return row.time_ns < t; });
-    if (state == series.state.end() || state->time_ns != command.state_ns)
-      continue;  // lost on the way
-    result.time.push_back(seconds(state->time_ns - start_ns(series)));
-    result.error.push_back((state->p_WE - command.p_WE_desired).norm());
-  }
-  return result;
-}
-
 Latencies latencies(const Series& series) {
   Latencies result;
   for (const PlanRow& plan : series.plan) {
@@ -287,7 +270,9 @@ Figures evaluate(const Series& series, const planner::Task& task, const std::vec
   if (!series.scene.empty())
     figures.duration = seconds(series.scene.back().time_ns - start_ns(series));
   add_course(series, task, pushes, figures);
-  figures.tracking_error = spread(tracking_error(series).error);
+  TrackingErrors tracking = tracking_errors(series);
+  figures.tracking_error = spread(std::move(tracking.task.error));
+  figures.approach_error = spread(std::move(tracking.approach.error));
   std::vector<double> solve_times;
   for (const PlanRow& plan : series.plan) {
     if (plan.solve_time > 0.0) solve_times.push_back(plan.solve_time);

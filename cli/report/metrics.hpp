@@ -72,7 +72,9 @@ struct Figures {
   BallFigures judged;               // what criteria look at: the worst ball's, when it has settled
   std::optional<PathFigures> path;  // of a task in time
   ExcursionFigures out_of_band;
-  Spread tracking_error;        // |p_WE − p_WE_desired|, without the first second of tracking [m]
+  // |p_WE − p_WE_desired|, without the first second of tracking [m]
+  Spread tracking_error;        // outside the approach
+  Spread approach_error;        // on the way to a ball
   double planner_rate = kNone;  // [Hz]
   Spread solve_time;            // [s]
   std::uint64_t overruns = 0;   // plans that the deadline truncated
@@ -95,13 +97,6 @@ struct Figures {
 /// @param pushes that the scenario's hand gave, in order of time
 Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes = {});
-
-/// The rows behind the pictures, thinned to what an eye can see.
-struct TrackingError {
-  std::vector<double> time;   // since the recording's start [s]
-  std::vector<double> error;  // [m]
-};
-TrackingError tracking_error(const Series& series);
 
 /// exposure → plan and state → command, exposure → torque, sample by sample [s]
 struct Latencies {

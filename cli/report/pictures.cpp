@@ -10,6 +10,7 @@
 #include "cli/report/course.hpp"
 #include "cli/report/gnuplot.hpp"
 #include "cli/report/path_plots.hpp"
+#include "cli/report/tracking.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -123,12 +124,17 @@ std::string error_script(const std::filesystem::path& file, const Series& series
 
 std::string tracking_script(const std::filesystem::path& file, const Series& series,
                             const std::string& title) {
-  const TrackingError tracking = tracking_error(series);
-  const std::string rows = thinned(tracking.time, tracking.error);
-  return terminal(file, 900, 420) + "$error << EOD\n" + (rows.empty() ? "0 0\n" : rows) + "EOD\n" +
-         fmt::format("set title {} noenhanced\n", quoted(title)) +
+  const TrackingErrors tracking = tracking_errors(series);
+  const std::string task = thinned(tracking.task.time, tracking.task.error);
+  const std::string approach = thinned(tracking.approach.time, tracking.approach.error);
+  const auto rows = [](const std::string& some) { return some.empty() ? "0 0\n" : some; };
+  return terminal(file, 900, 420) + "$task << EOD\n" + rows(task) + "EOD\n" + "$approach << EOD\n" +
+         rows(approach) + "EOD\n" + fmt::format("set title {} noenhanced\n", quoted(title)) +
          "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\n" +
-         axes(!rows.empty()) + "plot $error with lines lw 1.1 lc rgb '#1f5fd0'\n";
+         axes(!task.empty() || !approach.empty()) +
+         "set key below horizontal\nplot $approach with points pt 7 ps 0.3 lc rgb '#a0a0a0' title "
+         "'approach', "
+         "$task with points pt 7 ps 0.3 lc rgb '#1f5fd0' title 'task'\n";
 }
 
 /// Rows "value count" of a histogram up to the 99.9 % quantile [ms]; what is longer counts in the

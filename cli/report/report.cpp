@@ -109,7 +109,9 @@ ordered_json to_json(const Report& report) {
       {"judged", to_json(figures.judged)},
       {"path", path},
       {"out_of_band", to_json(figures.out_of_band)},
-      {"end_effector", {{"tracking_error_m", quantiles(figures.tracking_error)}}},
+      {"end_effector",
+       {{"tracking_error_m", quantiles(figures.tracking_error)},
+        {"approach_error_m", quantiles(figures.approach_error)}}},
       {"planner",
        {{"rate_hz", number(figures.planner_rate)},
         {"solve_time_s", quantiles(figures.solve_time)},
@@ -168,6 +170,7 @@ std::string summary(const Report& report) {
     line("to interpolated", shown(figures.path->interpolated));
   }
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
+  line("on the way to a ball", shown(figures.approach_error, kMilli, 2) + " mm");
   line("planner",
        fmt::format("{} Hz, solve {} ms, {} truncated, {} fallbacks",
                    shown(figures.planner_rate, 1, 1), shown(figures.solve_time, kMilli, 2),

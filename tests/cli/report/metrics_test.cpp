@@ -248,31 +248,6 @@ TEST_CASE("without a plan that rolls there is nothing to count") {
   REQUIRE_FALSE(figures.criteria.at(0).met);
 }
 
-TEST_CASE(
-    "tracking errors join a command with the state that it answers and skip the first second") {
-  Series series;
-  for (int i = 1; i <= 3000; ++i) {
-    const std::int64_t t = i * kMs;
-    StateRow state{};
-    state.time_ns = t;
-    state.p_WE = {0.001 * i, 0.0, 0.0};
-    series.state.push_back(state);
-    CommandRow command{};
-    command.time_ns = t + kMs / 2;
-    command.state_ns = t;
-    command.tracking = i > 500;
-    // 10 mm while it settles, then 2 mm above the true position of the same instant
-    command.p_WE_desired = state.p_WE + Eigen::Vector3d(0.0, 0.0, i < 1501 ? 0.01 : 0.002);
-    series.command.push_back(command);
-  }
-  series.command[2000].state_ns += 1;  // its state was lost on the way: left out, not an error
-  const TrackingError tracking = tracking_error(series);
-  REQUIRE(tracking.error.size() == 1499);
-  const Figures figures = evaluate(series, kCircle, {});
-  REQUIRE(figures.tracking_error.max == Approx(0.002));
-  REQUIRE(figures.state_to_command.p50 == Approx(0.0005));
-}
-
 TEST_CASE("the way from exposure to torque ends at the first command of each plan") {
   Series series;
   series.plan = {{20 * kMs, 0, 5 * kMs, true, false, false, 0.001},

@@ -37,6 +37,7 @@ TEST_CASE("the report has exactly the keys that other programs read") {
   REQUIRE(keys(json["ball"][0]) ==
           Names{"rms_error_m", "p95_error_m", "max_error_m", "in_band_2cm", "in_band_1cm", "arrived_after_s",
                 "arrival_error_m", "end_error_m"});
+  REQUIRE(keys(json["end_effector"]) == Names{"tracking_error_m", "approach_error_m"});
   REQUIRE(keys(json["end_effector"]["tracking_error_m"]) == quantiles);
   REQUIRE(keys(json["planner"]) == Names{"rate_hz", "solve_time_s", "overruns", "fallbacks"});
   REQUIRE(keys(json["planner"]["solve_time_s"]) == quantiles);

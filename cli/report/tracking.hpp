@@ -1,0 +1,23 @@
+#pragma once
+// How well the end effector follows its plans.
+#include <vector>
+
+#include "cli/report/series.hpp"
+
+namespace c3rt::cli {
+
+/// |p_WE − p_WE_desired| of the commands that track a plan, sample by sample.
+struct TrackingError {
+  std::vector<double> time;   // since the recording's start [s]
+  std::vector<double> error;  // [m]
+};
+
+struct TrackingErrors {
+  TrackingError task;      // plans of phase roll and return, and those that were not recorded
+  TrackingError approach;  // all others: the way to the first ball and from one ball to another
+};
+
+/// Without the first second of tracking.
+TrackingErrors tracking_errors(const Series& series);
+
+}  // namespace c3rt::cli
