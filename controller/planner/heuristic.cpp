@@ -29,21 +29,25 @@ int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, con
   const auto place = [&](int ball) -> Eigen::Vector2d {
     return ahead.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
   };
+  const auto along = [&](int ball) {
+    return way_to_go(*line, place(ball), balls_behind(*line, ahead, ball));
+  };
   const auto way = [&](int ball) {
-    return std::abs(way_to_go(*line, place(ball), balls_behind(*line, ahead, ball))) +
-           parameters.beside_weight * std::abs(place(ball).x() - line->x);
+    return std::abs(along(ball)) + parameters.beside_weight * std::abs(place(ball).x() - line->x);
   };
   int chosen = now;
   for (int i = 0; i < scene.ball_count; ++i) {
     if (way(i) > way(chosen) + (chosen == now ? parameters.change_margin : 0.0)) chosen = i;
   }
-  // at most each ball once: what is in the way lies ahead
+  // at most each ball once: what is in the way lies ahead. One that is at its place stays there:
+  // the other's place has room for both
   for (int turn = 1; turn < scene.ball_count; ++turn) {
     int in_the_way = chosen;
     double nearest = parameters.room_ahead;
     for (int i = 0; i < scene.ball_count; ++i) {
       const Eigen::Vector2d apart = place(i) - place(chosen);
-      if (forward(*line) * apart.y() > 0.0 && apart.norm() < nearest) {
+      const bool has_to_go = along(i) > parameters.change_margin;
+      if (has_to_go && forward(*line) * apart.y() > 0.0 && apart.norm() < nearest) {
         in_the_way = i;
         nearest = apart.norm();
       }

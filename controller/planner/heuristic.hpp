@@ -17,7 +17,8 @@ int balls_behind(const LineTask& task, const Scene& scene, int ball);
 
 /// The ball that the end effector is to work on in the next cycle. Along a line it is the one that
 /// has the farthest way to its place, the way to the line included [C3, section VII-B: the one that
-/// is farthest behind], but the one in its way if there is one. Of other tasks it is the first.
+/// is farthest behind], but the one in its way if there is one that is not at its place yet. Of
+/// other tasks it is the first.
 /// @param now the one that is worked on: another one has to be worth the change
 int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, const Scene& scene,
                     int now);

@@ -103,6 +103,13 @@ TEST_CASE("heuristic: a ball in the way of the one behind it goes first") {
   CHECK(choice(balls_at({{0.45, 0.1}, {0.55, 0.03}}), 0) == 0);  // beside it, not in the way
 }
 
+TEST_CASE("heuristic: a ball at its place is not in the way of the one behind it") {
+  // places at -0.11 and -0.19: nothing would be won by touching the one that is there, for ever
+  CHECK(choice(balls_at({{0.55, -0.085}, {0.55, -0.18}}), 0) == 0);
+  CHECK(choice(balls_at({{0.55, -0.10}, {0.55, -0.195}}), 0) == 0);  // and a little past it
+  CHECK(choice(balls_at({{0.55, -0.05}, {0.55, -0.14}}), 0) == 1);   // not yet there
+}
+
 TEST_CASE("heuristic: a ball that strays from the line or rolls past its place is looked after") {
   // places at -0.11 and -0.19: of the first two the other is nearly there
   CHECK(choice(balls_at({{0.55, -0.10}, {0.64, -0.19}}), 0) == 1);
