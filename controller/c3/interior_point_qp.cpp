@@ -12,19 +12,18 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kPatience = 5;        // rounds that hold new rows and correct no less than before
-constexpr int kMaxCorrections = 8;  // of the multipliers of held rows
-constexpr double kWorst = 0.95;     // of a run's largest violation: held
-constexpr double kWorstBesideHeld = 0.8;  // the same in a run that goes on from held rows
-constexpr double kRemeasure = 2.0;        // change of rho after which compliances are measured anew
-constexpr double kStiffness = 1e7;        // of held rows, beside that of the problem against them
-constexpr double kConverged = 1e-13;      // estimated error beside the largest entry of its kind
-constexpr double kTolerance = 1e-10;      // of bounds and of signs of multipliers
-constexpr double kAcceptable = 1e-7;      // residual; worse: not solved
-constexpr double kToBoundary = 0.995;     // share of the way to the boundary
-constexpr double kSettled = 1e-6;         // the same; worse: the held rows are given up
-constexpr double kCancelled = 1e-8;  // pull of multipliers beside its terms, to prove infeasible
-constexpr double kFar = 1e4;         // nor is a solution sought so many times beyond the point
+constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
+constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
+constexpr double kWorst = 0.95;        // of a run's largest violation: held
+constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
+constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
+constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
+constexpr double kTolerance = 1e-10;   // of bounds and of signs of multipliers
+constexpr double kAcceptable = 1e-7;   // residual; worse: not solved
+constexpr double kToBoundary = 0.995;  // share of the way to the boundary
+constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
+constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, to prove infeasible
+constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
 /// How far a value may be beyond its bound.
@@ -131,9 +130,24 @@ bool InteriorPointQp::pull() noexcept {
   }
   model_.newton(extra_);
   // by the step, not by the point it leads to, whose rounding the spring would magnify
-  for (int i = 0; i < n; ++i) multiplier_[i] -= extra_[i] + weight_[i] * model_.change()[i];
+  for (int i = 0; i < n; ++i) {
+    if (weight_[i] != 0.0) multiplier_[i] -= extra_[i] + weight_[i] * model_.change(i);
+  }
   model_.move(1.0);
   return std::isfinite(model_.relative_step());
+}
+
+/// The first pull of springs tied anew, good to their stiffness.
+void InteriorPointQp::pull_from_rest() noexcept {
+  const int n = model_.rows().count();
+  for (int i = 0; i < n; ++i) {
+    extra_[i] = -multiplier_[i];
+    if (weight_[i] != 0.0) extra_[i] += weight_[i] * (model_.value_at_rest()[i] - target(i));
+  }
+  model_.newton_from_rest(extra_);
+  for (int i = 0; i < n; ++i) {
+    if (weight_[i] != 0.0) multiplier_[i] = -extra_[i] - weight_[i] * model_.change(i);
+  }
 }
 
 /// More pulls, after a first one.
@@ -161,7 +175,8 @@ bool InteriorPointQp::pull_to_the_end() noexcept {
 bool InteriorPointQp::settle() noexcept {
   int fewest = std::numeric_limits<int>::max(), patience = kPatience;
   while (patience > 0) {
-    if (!tie() || !pull()) return false;
+    if (!tie()) return false;
+    pull_from_rest();
     Corrections made = correct_guess();
     if (made.all() == 0) {
       if (!pull_to_the_end()) return false;
@@ -188,28 +203,29 @@ InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
   const int n = model_.rows().count();
   double pull = 0.0;
   for (int i = 0; i < n; ++i) {
+    if (multiplier_[i] == 0.0) continue;
     pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
   }
   Corrections made;
   for (int i = 0; i < n; ++i) {
     violated_[i] = Held::kNo;
     if (held_[i] == Held::kEquality) continue;
-    const double tolerance = kTolerance * pull / std::sqrt(compliance_[i]);
-    if ((held_[i] == Held::kLower && multiplier_[i] < -tolerance) ||
-        (held_[i] == Held::kUpper && multiplier_[i] > tolerance)) {
-      held_[i] = Held::kNo;
-      ++made.released;
-    } else if (held_[i] == Held::kNo) {
+    if (held_[i] == Held::kNo) {
       const QpRows::Row& row = model_.rows()[i];
       const double value = model_.value()[i];
       if (value < row.lower - slack(value)) violated_[i] = Held::kLower;
       if (value > row.upper + slack(value)) violated_[i] = Held::kUpper;
+      continue;
     }
+    const double outwards = held_[i] == Held::kLower ? -multiplier_[i] : multiplier_[i];
+    if (outwards <= 0.0 || outwards <= kTolerance * pull / std::sqrt(compliance_[i])) continue;
+    held_[i] = Held::kNo;
+    ++made.released;
   }
   for (int i = 0; i < n; ++i) {
     const int earlier = model_.rows().beside(i, -1);
     if (violated_[i] == Held::kNo || is(violated_, earlier, violated_[i])) continue;
-    made.taken += hold_worst(i);
+    hold_run(i, made);
   }
   return made;
 }
@@ -219,27 +235,51 @@ bool InteriorPointQp::is(const std::vector<Held>& rows, int row, Held kind) cons
   return row >= 0 && row < model_.rows().count() && rows[row] == kind;
 }
 
-/// Holds the worst of the run of violated rows that begins here; returns how many.
-int InteriorPointQp::hold_worst(int first) noexcept {
+/// Holds rows of the run of violated ones that begins here: from held rows beside it on up to the
+/// top of the parabola through its worst and the two beside that one, where the bound was found to
+/// end. Where nothing beside is held, or too little for a guess so far away, the worst alone.
+void InteriorPointQp::hold_run(int first, Corrections& made) noexcept {
   const QpRows& rows = model_.rows();
   const Held side = violated_[first];
   const auto outside = [&](int row) {
     return side == Held::kLower ? rows[row].lower - model_.value()[row]
                                 : model_.value()[row] - rows[row].upper;
   };
-  double worst = 0.0;
-  int end = first;
-  bool beside_held = is(guess_, rows.beside(first, -1), side);
-  for (; is(violated_, end, side); end = rows.beside(end, 1)) worst = std::max(worst, outside(end));
-  beside_held = beside_held || is(guess_, end, side);
-  const double least = (beside_held ? kWorstBesideHeld : kWorst) * worst;
-  int held = 0;
-  for (int i = first; i != end; i = rows.beside(i, 1)) {
-    if (outside(i) < least) continue;
-    held_[i] = side;
-    ++held;
+  int worst = first, last = first, end = first;
+  for (; is(violated_, end, side); end = rows.beside(end, 1)) {
+    if (outside(end) > outside(worst)) worst = end;
+    last = end;
   }
-  return held;
+  bool extended = false;
+  const auto extend = [&](int from, int step) {
+    const int held = rows.beside(from, -step), behind = held < 0 ? -1 : rows.beside(held, -step);
+    if (!is(held_, held, side)) return;
+    int length = 0, distance = 1;
+    for (int i = held; is(guess_, i, side); i = rows.beside(i, -step)) ++length;
+    for (int i = from; i != worst; i = rows.beside(i, step)) ++distance;
+    // the worst is nearer to the top than the next one inwards, or the top is between the two
+    const int before = rows.beside(worst, -step), after = rows.beside(worst, step);
+    if (distance > 1 && after >= 0 && outside(before) > outside(after)) --distance;
+    if (distance > length) return;
+    for (int i = from; distance > 0; i = rows.beside(i, step), --distance) {
+      made.taken += held_[i] == side ? 0 : 1;
+      held_[i] = side;
+    }
+    // what pulls the wrong way behind the end of a run does so because the run is too short
+    if (is(guess_, behind, side) && !is(held_, behind, side)) {
+      held_[behind] = side;
+      --made.released;
+    }
+    extended = true;
+  };
+  extend(first, 1);
+  extend(last, -1);
+  if (extended) return;
+  for (int i = first; i != end; i = rows.beside(i, 1)) {
+    if (outside(i) < kWorst * outside(worst)) continue;
+    held_[i] = side;
+    ++made.taken;
+  }
 }
 
 /// Mehrotra's predictor-corrector from the point where only equalities are held.
@@ -346,7 +386,7 @@ bool InteriorPointQp::newton_step() noexcept {
     }
     model_.newton(extra_);
     for (int j = 0; j < n_sides_; ++j) {
-      ds_[j] = sides_[j].sign * model_.change()[sides_[j].row] + off(j);
+      ds_[j] = sides_[j].sign * model_.change(sides_[j].row) + off(j);
       dy_[j] = -(complementarity(j) + y_[j] * ds_[j]) / s_[j];
     }
   };
@@ -373,7 +413,7 @@ bool InteriorPointQp::newton_step() noexcept {
   const double alpha = longest(kToBoundary);
   for (int i = 0; i < n; ++i) {
     if (held_[i] != Held::kEquality) continue;
-    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - target(i) + model_.change()[i]);
+    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - target(i) + model_.change(i));
   }
   model_.move(alpha);
   for (int j = 0; j < n_sides_; ++j) {

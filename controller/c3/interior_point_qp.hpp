@@ -46,10 +46,11 @@ class InteriorPointQp final : public QpStep {
   bool hold() noexcept;
   bool tie() noexcept;
   bool pull() noexcept;
+  void pull_from_rest() noexcept;
   bool pull_to_the_end() noexcept;
   bool settle() noexcept;
   Corrections correct_guess() noexcept;
-  int hold_worst(int first) noexcept;
+  void hold_run(int first, Corrections& made) noexcept;
   bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
   void enter() noexcept;
   void start_sides() noexcept;

@@ -8,23 +8,21 @@ namespace c3rt::c3 {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-QpModel::QpModel(const Sizes& sizes)
-    : sizes_(sizes),
-      cost_(sizes),
-      riccati_(sizes),
-      rows_(sizes),
-      H_(sizes.N, MatrixXd(sizes.n_z(), sizes.n_z())),
-      H_N_(sizes.n_x, sizes.n_x) {
-  for (MatrixXd* m : {&z_, &gradient_, &total_, &step_}) m->setZero(sizes.n_z(), sizes.N);
-  for (VectorXd* v : {&x0_, &x_N_, &gradient_N_, &total_N_, &step_N_}) v->setZero(sizes.n_x);
+QpModel::QpModel(const Sizes& sizes) : sizes_(sizes), cost_(sizes), riccati_(sizes), rows_(sizes) {
+  for (MatrixXd* m : {&z_, &z_rest_, &gradient_, &gradient_rest_, &total_, &step_})
+    m->setZero(sizes.n_z(), sizes.N);
+  for (VectorXd* v :
+       {&x0_, &x_N_, &x_N_rest_, &gradient_N_, &gradient_N_rest_, &total_N_, &step_N_})
+    v->setZero(sizes.n_x);
 }
 
 void QpModel::set_costs(const Costs& costs, const Constraints& constraints) {
   cost_.set_costs(costs);
   rows_.set(constraints);
   value_.setZero(rows_.all());
-  change_.setZero(rows_.all());
+  value_rest_.setZero(rows_.all());
   weight_.setZero(rows_.all());
+  squares_.prepare(sizes_.N, rows_.all());
 }
 
 void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
@@ -48,21 +46,23 @@ void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
   if (lambda_0_ != nullptr) sizes_.lambda(z_.col(0)) = *lambda_0_;
   riccati_.roll_out(x0_, z_, x_N_);
   evaluate();
+  z_rest_ = z_;
+  x_N_rest_ = x_N_;
+  value_rest_ = value_;
+  cost_.gradient(z_rest_, x_N_rest_, gradient_rest_, gradient_N_rest_);
 }
 
 bool QpModel::factor(const VectorXd& weight) noexcept {
   // the recursion runs from the end: what lies behind the last change stands
   int last = factored_ ? -1 : sizes_.N;
-  for (int i = 0; factored_ && i < rows_.count(); ++i) {
-    if (weight[i] != weight_[i]) last = std::max(last, rows_[i].stage);
-  }
-  for (int k = 0; k <= std::min(last, sizes_.N - 1); ++k) H_[k] = cost_.H()[k];
-  if (last == sizes_.N) H_N_ = cost_.H_N();
+  squares_.clear();
   for (int i = 0; i < rows_.count(); ++i) {
-    if (weight[i] != 0.0 && rows_[i].stage <= last) rows_.add_square(i, weight[i], H_, H_N_);
+    const QpRows::Row& row = rows_[i];
+    if (weight[i] != weight_[i]) last = std::max(last, row.stage);
+    if (weight[i] != 0.0) squares_.add(row.stage, row.coordinate, rows_.normal(i), weight[i]);
   }
   weight_ = weight;
-  factored_ = riccati_.factor({H_.data(), 1}, H_N_, last);
+  factored_ = riccati_.factor(cost_.H(), cost_.H_N(), last, &squares_);
   return factored_;
 }
 
@@ -117,7 +117,18 @@ void QpModel::newton(const VectorXd& extra) noexcept {
     if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
   }
   riccati_.step(total_, total_N_, step_, step_N_);
-  for (int i = 0; i < rows_.count(); ++i) change_[i] = rows_.value(i, step_, step_N_);
+}
+
+void QpModel::newton_from_rest(const VectorXd& extra) noexcept {
+  total_ = gradient_rest_;
+  total_N_ = gradient_N_rest_;
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
+  }
+  riccati_.step(total_, total_N_, step_, step_N_);
+  z_ = z_rest_ + step_;
+  x_N_ = x_N_rest_ + step_N_;
+  evaluate();
 }
 
 void QpModel::move(double alpha) noexcept {

@@ -21,7 +21,8 @@ class QpModel {
   void set_costs(const Costs& costs, const Constraints& constraints);
   /// As QpStep::start. RT.
   void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept;
-  /// Takes a new problem and goes to ν = 0. x0 must outlive the calls of everything below. RT.
+  /// Takes a new problem and goes to rest, ν = 0. x0 must outlive the calls of everything below.
+  /// RT.
   void aim(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
            const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
            const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
@@ -29,9 +30,11 @@ class QpModel {
   const QpRows& rows() const noexcept { return rows_; }
   const Eigen::MatrixXd& z() const noexcept { return z_; }
   const Eigen::VectorXd& x_N() const noexcept { return x_N_; }
-  /// aᵀ z of every row, and its change by the last `newton`.
+  /// aᵀ z of every row, at this point and at rest.
   const Eigen::VectorXd& value() const noexcept { return value_; }
-  const Eigen::VectorXd& change() const noexcept { return change_; }
+  const Eigen::VectorXd& value_at_rest() const noexcept { return value_rest_; }
+  /// Its change by the step of the last `newton`.
+  double change(int row) const noexcept { return rows_.value(row, step_, step_N_); }
 
   /// Factors H + Σ w a aᵀ. RT.
   [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
@@ -45,6 +48,9 @@ class QpModel {
   Riccati::Reduced pull(const Eigen::VectorXd& multiplier) noexcept;
   /// The step of the factored model with the gradient kept plus Σ e a. RT.
   void newton(const Eigen::VectorXd& extra) noexcept;
+  /// The same from rest, and goes there: the minimiser in one step, without the refinement that
+  /// `differentiate`, `newton` and `move` bring. RT.
+  void newton_from_rest(const Eigen::VectorXd& extra) noexcept;
   /// Goes α of the step. RT.
   void move(double alpha) noexcept;
   /// The last step beside the point: the largest ratio of the largest entries of x, λ and u. RT.
@@ -60,12 +66,11 @@ class QpModel {
   Riccati riccati_;
   QpRows rows_;
   const Eigen::VectorXd* lambda_0_ = nullptr;
-  std::vector<Eigen::MatrixXd> H_;
-  Eigen::MatrixXd H_N_;
-  Eigen::MatrixXd z_, gradient_, total_, step_;  // (n_z × N)
-  Eigen::VectorXd x0_, x_N_, gradient_N_, total_N_, step_N_;
-  Eigen::VectorXd value_, change_, weight_;  // of the rows
-  bool factored_ = false;                    // with weight_
+  Squares squares_;
+  Eigen::MatrixXd z_, z_rest_, gradient_, gradient_rest_, total_, step_;  // (n_z × N)
+  Eigen::VectorXd x0_, x_N_, x_N_rest_, gradient_N_, gradient_N_rest_, total_N_, step_N_;
+  Eigen::VectorXd value_, value_rest_, weight_;  // of the rows
+  bool factored_ = false;                        // with weight_
 };
 
 }  // namespace c3rt::c3

@@ -98,18 +98,4 @@ void QpRows::add(int i, double c, MatrixXd& gradient, VectorXd& gradient_N) cons
   }
 }
 
-void QpRows::add_square(int i, double w, std::vector<MatrixXd>& H, MatrixXd& H_N) const noexcept {
-  const Row& row = rows_[i];
-  if (row.stage == sizes_.N) {
-    H_N(row.coordinate, row.coordinate) += w;
-  } else if (row.coordinate >= 0) {
-    H[row.stage](row.coordinate, row.coordinate) += w;
-  } else {
-    const VectorXd& a = normals_[row.normal];
-    for (Eigen::Index j = 0; j < a.size(); ++j) {
-      if (a[j] != 0.0) H[row.stage].col(j) += (w * a[j]) * a;
-    }
-  }
-}
-
 }  // namespace c3rt::c3

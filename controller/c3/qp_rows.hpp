@@ -37,9 +37,10 @@ class QpRows {
   double value(int i, const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) const noexcept;
   /// Adds c a to what belongs to stage k or x_N. RT.
   void add(int i, double c, Eigen::MatrixXd& gradient, Eigen::VectorXd& gradient_N) const noexcept;
-  /// Adds w a aᵀ to the Hessian of stage k, or of x_N. RT.
-  void add_square(int i, double w, std::vector<Eigen::MatrixXd>& H,
-                  Eigen::MatrixXd& H_N) const noexcept;
+  /// The a of a row without a coordinate (n_z); nullptr for one with. RT.
+  const double* normal(int i) const noexcept {
+    return rows_[i].coordinate >= 0 ? nullptr : normals_[rows_[i].normal].data();
+  }
 
  private:
   void add_bounds(int k, int first, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);

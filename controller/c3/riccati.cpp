@@ -32,10 +32,46 @@ void add_transposed_product(kernels::Columns S, int first, int last, const doubl
   }
 }
 
+/// X += the squares' rows [row, row + rows) and columns [column, column + columns), X with columns
+/// `ld` apart.
+void add_squares(const Squares* squares, int stage, int row, int rows, int column, int columns,
+                 int ld, double* X) noexcept {
+  if (squares == nullptr) return;
+  for (int i = squares->first(stage); i >= 0; i = (*squares)[i].next) {
+    const Squares::Term& term = (*squares)[i];
+    if (term.coordinate >= 0) {
+      const int r = term.coordinate - row, c = term.coordinate - column;
+      if (r >= 0 && r < rows && c >= 0 && c < columns) X[c * ld + r] += term.weight;
+      continue;
+    }
+    for (int c = 0; c < columns; ++c) {
+      const double factor = term.weight * term.normal[column + c];
+      if (factor == 0.0) continue;
+      for (int r = 0; r < rows; ++r) X[c * ld + r] += factor * term.normal[row + r];
+    }
+  }
+}
+
 /// A maximum that keeps NaN.
 double larger(double a, double b) noexcept { return a > b || std::isnan(a) ? a : b; }
 
 }  // namespace
+
+void Squares::prepare(int N, int terms) {
+  first_.assign(static_cast<std::size_t>(N) + 1, -1);
+  terms_.clear();
+  terms_.reserve(static_cast<std::size_t>(terms));
+}
+
+void Squares::clear() noexcept {
+  std::fill(first_.begin(), first_.end(), -1);
+  terms_.clear();
+}
+
+void Squares::add(int stage, int coordinate, const double* normal, double weight) noexcept {
+  terms_.push_back({coordinate, normal, weight, first_[stage]});
+  first_[stage] = static_cast<int>(terms_.size()) - 1;
+}
 
 Riccati::Riccati(const Sizes& sizes)
     : sizes_(sizes),
@@ -99,24 +135,26 @@ void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
   }
 }
 
-bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last) noexcept {
+bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last,
+                     const Squares* squares) noexcept {
   if (last >= sizes_.N) {
     last = sizes_.N - 1;
     std::vector<double>& P = stages_[last].P_next;
     for (int j = 0; j < sizes_.n_x; ++j) {
       std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P[j * ld_x_]);
     }
+    add_squares(squares, sizes_.N, 0, sizes_.n_x, 0, sizes_.n_x, ld_x_, P.data());
   }
   for (int k = last; k >= 0; --k) {
-    if (!factor_inputs(k, H[k])) return false;
-    if (k > 0) eliminate_inputs(k, H[k]);
+    if (!factor_inputs(k, H[k], squares)) return false;
+    if (k > 0) eliminate_inputs(k, H[k], squares);
   }
   return true;
 }
 
 /// R̂ = H_νν + B̂ᵀ P B̂ and its factor. Where rounding makes it indefinite, a tiny shift makes it
 /// definite; refinement with the exact gradient then removes the shift's error from a solution.
-bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
+bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
   const kernels::Columns B_hat = system(k).B_hat.columns();
   const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
   std::fill(PB_.begin(), PB_.end(), 0.0);
@@ -127,6 +165,7 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
   for (int j = 0; j < n; ++j) {
     std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
   }
+  add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
   kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
   Stage& stage = stages_[k];
   if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
@@ -141,7 +180,7 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H) noexcept {
 }
 
 /// P_k = H_xx + Aᵀ P_{k+1} A − T Tᵀ with T = (L⁻¹ S)ᵀ.
-void Riccati::eliminate_inputs(int k, const MatrixXd& H) noexcept {
+void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
   const System& system = this->system(k);
   const int n_x = sizes_.n_x;
   Stage& stage = stages_[k];
@@ -150,9 +189,11 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H) noexcept {
   kernels::add_product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
   kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
   for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
+  add_squares(squares, k, 0, n_x, n_x, n_nu_, ld_x_, stage.T.data());
   kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, stage.T.data());
   kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
   for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P[j * ld_x_]);
+  add_squares(squares, k, 0, n_x, 0, n_x, ld_x_, P.data());
   kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P.data());
   kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P.data());
   for (int j = 0; j < n_x; ++j) {

@@ -9,6 +9,31 @@
 
 namespace c3rt::c3 {
 
+/// Terms w a aᵀ of the Hessians H_k, or of H_N (stage N), kept beside them: most differ by these
+/// alone, of which few have more than one entry.
+class Squares {
+ public:
+  struct Term {
+    int coordinate;        // of the entry 1 of a; −1: a is `normal`
+    const double* normal;  // (n_z), or (n_x) of stage N
+    double weight;
+    int next;  // of the same stage, −1: none
+  };
+
+  /// For stages 0 … N and so many terms. May allocate.
+  void prepare(int N, int terms);
+  void clear() noexcept;
+  /// `normal` must outlive the use. RT.
+  void add(int stage, int coordinate, const double* normal, double weight) noexcept;
+
+  int first(int stage) const noexcept { return first_[stage]; }
+  const Term& operator[](int i) const noexcept { return terms_[i]; }
+
+ private:
+  std::vector<int> first_;  // of each stage, −1: none
+  std::vector<Term> terms_;
+};
+
 /// Newton steps of
 ///
 ///   min Σ_{k<N} ½ z_kᵀ H_k z_k + ½ x_Nᵀ H_N x_N + linear terms,   x_{k+1} = A x_k + B̂ ν_k + d, x_0
@@ -27,10 +52,12 @@ class Riccati {
 
   /// @param H    (n_z × n_z) symmetric
   /// @param H_N  (n_x × n_x) symmetric
-  /// @param last  the last stage whose H differs from that of the factorisation before, whose
-  ///              results behind it are kept; N: all are new
+  /// @param last  the last stage whose H or squares differ from those of the factorisation before,
+  ///              whose results behind it are kept; N: all are new
+  /// @param squares  added to the Hessians; nullptr: none
   /// False if the problem is not strictly convex in ν, or beyond double precision. RT.
-  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N, int last) noexcept;
+  [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N, int last,
+                            const Squares* squares = nullptr) noexcept;
   [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N) noexcept {
     return factor(H, H_N, sizes_.N);
   }
@@ -80,8 +107,8 @@ class Riccati {
   const System& system(int k) const noexcept { return systems_[k * lcs_.stride]; }
   /// First entry of ν_k that is free.
   int first(int k) const noexcept { return k == 0 && lambda_0_fixed_ ? sizes_.n_lambda : 0; }
-  bool factor_inputs(int k, const Eigen::MatrixXd& H) noexcept;
-  void eliminate_inputs(int k, const Eigen::MatrixXd& H) noexcept;
+  bool factor_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
+  void eliminate_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
 
   Sizes sizes_;
   int n_nu_;

@@ -127,6 +127,50 @@ TEST_CASE("Riccati: factoring anew up to the last change gives the bits of facto
   }
 }
 
+TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part of them") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Problem p = problem(seed);
+    const Sizes& s = p.sizes;
+    support::Random random(seed + 300);
+    std::vector<MatrixXd> H = hessians(p);
+    MatrixXd H_N = p.costs.Q_N;
+    const std::vector<MatrixXd> H_bare = H;
+    const MatrixXd normals = random.matrix(s.n_z(), s.N);
+    Squares squares;
+    squares.prepare(s.N, 3 * s.N + 1);
+    for (int k = 0; k < s.N; ++k) {
+      const VectorXd a = normals.col(k);
+      squares.add(k, -1, normals.col(k).data(), 0.7);
+      H[k] += 0.7 * a * a.transpose();
+      for (int entry : {random.index(s.n_x), s.n_x + random.index(s.n_z() - s.n_x)}) {
+        squares.add(k, entry, nullptr, 3.0);
+        H[k](entry, entry) += 3.0;
+      }
+    }
+    squares.add(s.N, 0, nullptr, 5.0);
+    H_N(0, 0) += 5.0;
+    const MatrixXd gradient = random.matrix(s.n_z(), s.N);
+    const VectorXd gradient_N = random.vector(s.n_x);
+    const auto step = [&](const std::vector<MatrixXd>& hessians, const MatrixXd& last,
+                          const Squares* beside) {
+      Riccati riccati(s);
+      riccati.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+      REQUIRE(riccati.factor({hessians.data(), 1}, last, s.N, beside));
+      MatrixXd z(s.n_z(), s.N);
+      VectorXd x_N(s.n_x), all(z.size() + s.n_x);
+      riccati.step(gradient, gradient_N, z, x_N);
+      all << z.reshaped(), x_N;
+      return all;
+    };
+    const VectorXd expected = step(H, H_N, nullptr);
+    CAPTURE(seed);
+    CHECK((step(H_bare, p.costs.Q_N, &squares) - expected).cwiseAbs().maxCoeff() <
+          1e-12 * expected.cwiseAbs().maxCoeff());
+    squares.clear();
+    CHECK(step(H, H_N, &squares) == expected);
+  }
+}
+
 TEST_CASE("Riccati: the roll-out is the system, step by step") {
   const Problem p = problem(4);
   Riccati riccati(p.sizes);
