@@ -137,6 +137,7 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.heuristic.return_back = heuristic.number("return_back_m", {0, 0.2});
   parameters.heuristic.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
   const HeuristicParameters none{};
+  parameters.heuristic.roll_press = heuristic.number("roll_press_n", {0, 20}, none.roll_press);
   parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1}, none.roll_reach);
   parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1}, none.return_gap);
   parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1}, none.return_lead);

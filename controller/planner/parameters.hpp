@@ -47,6 +47,8 @@ struct HeuristicParameters {
   double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
   double return_back;      // Phase II: how far behind the ball, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
+  // Beyond Figure 10: the arm presses down with this throughout Phase I, on top of λ_d [N]
+  double roll_press = 0.0;
   // Beyond Figure 10: Phase I ends early where the ball, once touched, has run away by this gap,
   // over which no force acts [m]
   double return_gap = std::numeric_limits<double>::infinity();

@@ -403,6 +403,9 @@ void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
     ++counters_.speed_clamped;
   }
   plan_.force_E = result.force_E;
+  // A plan that stands on the ball does not hold it: over a tenth of a millimetre of gap, which the
+  // cameras cannot tell from contact, no force acts.
+  if (phase_ == Phase::kRoll) plan_.force_E.z() += parameters_.heuristic.roll_press;
   plan_.lambda_d = result.lambda_d;
   plan_.u_c3 = result.u_c3;
   const Eigen::Index n_x = plan_.x.rows(), n_lambda = plan_.lambda.rows();

@@ -53,7 +53,8 @@ struct Plan {
   Mode mode;
   Eigen::Vector3d p_WE, v_WE;  // x_d of the end effector
   Eigen::Quaterniond q_WE;
-  Eigen::Vector3d force_E;      // λ_d as the contacts' force on the end effector, in W [N]
+  // λ_d as the contacts' force on the end effector, and the press of Phase I, in W [N]
+  Eigen::Vector3d force_E;
   int ball;                     // that the heuristic works on
   Eigen::Vector3d ball_target;  // its x_d^b
   double delta_t_c;             // [s]

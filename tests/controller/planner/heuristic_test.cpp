@@ -12,9 +12,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
-const HeuristicParameters kHeuristic{1.0,  0.5,  0.004, 0.02,  {0.0951, 0.0911, 0.0691},
-                                     0.01, 0.03, 0.0,   false, 10.0,
-                                     1.0,  1.0,  0.03,  0.1};
+const HeuristicParameters kHeuristic{1.0,  0.5,  0.004, 0.02, {0.0951, 0.0911, 0.0691},
+                                     0.0,  0.01, 0.03,  0.0,  false,
+                                     10.0, 1.0,  1.0,   0.03, 0.1};
 const c3rt::model::BallModelParameters kModel{0.01, 0.0195, 0.132, 0.0315, -0.0245, 1.0, 1.0};
 }  // namespace
 

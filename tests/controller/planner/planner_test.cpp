@@ -236,6 +236,28 @@ TEST_CASE("planner: an end effector that slips off the ball returns at once, and
   CHECK(follower.planner.step(input).mode == Mode::kRoll);
 }
 
+TEST_CASE("planner: the arm presses on the ball throughout Phase I, and only there") {
+  Parameters p = parameters();
+  Planner without(p);
+  p.heuristic.roll_press = 3.0;
+  Follower follower(p);
+  int rolled = 0, returned = 0;
+  for (int i = 0; i < 3000 && (rolled < 50 || returned < 50); ++i) {
+    Input input = input_at(follower.now, follower.p_WE);
+    input.v_WE = follower.v_WE;
+    const Plan plain = without.step(input);
+    const Plan& plan = follower.step();
+    REQUIRE(plan.mode == plain.mode);
+    const Vector3d press(0.0, 0.0, plan.mode == Mode::kRoll ? 3.0 : 0.0);
+    REQUIRE((plan.force_E - plain.force_E - press).norm() < 1e-12);
+    REQUIRE(plan.p_WE == plain.p_WE);
+    rolled += plan.mode == Mode::kRoll ? 1 : 0;
+    returned += plan.mode == Mode::kReturn ? 1 : 0;
+  }
+  CHECK(rolled >= 50);
+  CHECK(returned >= 50);
+}
+
 TEST_CASE("planner: the plan for the next instant respects the contact") {
   const Parameters p = parameters();
   Follower follower(p);
@@ -463,6 +485,7 @@ TEST_CASE("planner: of several balls each has its states, each pair its forces")
 
 TEST_CASE("planner: several balls are planned for, the one behind is approached and worked on") {
   const Parameters p = several("two_balls");
+  const double step = std::get<LineTask>(p.task).step;
   Planner planner(p);
   Vector3d p_WE(0.55, 0.0, 0.08), v_WE = Vector3d::Zero();
   double now = 0.0;
@@ -474,7 +497,7 @@ TEST_CASE("planner: several balls are planned for, the one behind is approached 
     if (plan.mode == Mode::kReturn || plan.mode == Mode::kRoll) {
       ++planned;
       CHECK(plan.status == PlanStatus::kOk);
-      CHECK((plan.ball_target.head<2>() - Eigen::Vector2d(0.55, 0.1 - 0.01)).norm() < 1e-12);
+      CHECK((plan.ball_target.head<2>() - Eigen::Vector2d(0.55, 0.1 + step)).norm() < 1e-12);
     }
     p_WE = plan.p_WE;
     v_WE = plan.v_WE;
