@@ -14,11 +14,9 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
 constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
 constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
-constexpr double kWorst = 0.95;        // of a run's largest violation: held
 constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
 constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
 constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
-constexpr double kTolerance = 1e-10;   // of bounds and of signs of multipliers
 constexpr double kAcceptable = 1e-7;   // residual; worse: not solved
 constexpr double kToBoundary = 0.995;  // share of the way to the boundary
 constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
@@ -26,13 +24,10 @@ constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, 
 constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
-/// How far a value may be beyond its bound.
-double slack(double value) { return kTolerance * std::max(std::abs(value), 1e-3); }
-
 }  // namespace
 
 InteriorPointQp::InteriorPointQp(const Sizes& sizes)
-    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes) {
+    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes), held_(model_.rows()) {
   z_kept_.setZero(sizes.n_z(), sizes.N);
   x_N_kept_.setZero(sizes.n_x);
 }
@@ -42,9 +37,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   model_.set_costs(costs, constraints);
   const QpRows& rows = model_.rows();
   sides_.clear();
-  held_.assign(rows.all(), Held::kNo);
-  guess_ = held_;
-  violated_ = held_;
+  held_.prepare();
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
     if (row.lower == row.upper) continue;
@@ -95,15 +88,8 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
 }
 
 void InteriorPointQp::release() noexcept {
-  for (int i = 0; i < model_.rows().count(); ++i) {
-    const QpRows::Row& row = model_.rows()[i];
-    held_[i] = row.lower == row.upper ? Held::kEquality : Held::kNo;
-  }
+  held_.release();
   multiplier_.setZero();
-}
-
-double InteriorPointQp::target(int row) const noexcept {
-  return held_[row] == Held::kUpper ? model_.rows()[row].upper : model_.rows()[row].lower;
 }
 
 /// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
@@ -126,7 +112,7 @@ bool InteriorPointQp::pull() noexcept {
   const int n = model_.rows().count();
   model_.differentiate(multiplier_);
   for (int i = 0; i < n; ++i) {
-    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - target(i));
+    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - held_.target(i));
   }
   model_.newton(extra_);
   // by the step, not by the point it leads to, whose rounding the spring would magnify
@@ -142,7 +128,7 @@ void InteriorPointQp::pull_from_rest() noexcept {
   const int n = model_.rows().count();
   for (int i = 0; i < n; ++i) {
     extra_[i] = -multiplier_[i];
-    if (weight_[i] != 0.0) extra_[i] += weight_[i] * (model_.value_at_rest()[i] - target(i));
+    if (weight_[i] != 0.0) extra_[i] += weight_[i] * (model_.value_at_rest()[i] - held_.target(i));
   }
   model_.newton_from_rest(extra_);
   for (int i = 0; i < n; ++i) {
@@ -163,8 +149,8 @@ bool InteriorPointQp::pull_to_the_end() noexcept {
   // rows that contradict each other end in a compromise
   for (int i = 0; i < model_.rows().count(); ++i) {
     if (held_[i] == Held::kNo) continue;
-    const double off = std::abs(model_.value()[i] - target(i));
-    if (off > slack(model_.value()[i])) return false;
+    const double off = std::abs(model_.value()[i] - held_.target(i));
+    if (off > ActiveRows::slack(model_.value()[i])) return false;
   }
   return true;
 }
@@ -177,10 +163,10 @@ bool InteriorPointQp::settle() noexcept {
   while (patience > 0) {
     if (!tie()) return false;
     pull_from_rest();
-    Corrections made = correct_guess();
+    ActiveRows::Corrections made = held_.correct(model_.value(), multiplier_, compliance_);
     if (made.all() == 0) {
       if (!pull_to_the_end()) return false;
-      made = correct_guess();
+      made = held_.correct(model_.value(), multiplier_, compliance_);
       if (made.all() == 0) return true;
     }
     // what only lets go comes to an end; what also takes may go in circles
@@ -192,94 +178,6 @@ bool InteriorPointQp::settle() noexcept {
     }
   }
   return false;
-}
-
-/// Lets go of rows that pull the wrong way and holds rows that are violated. Where an entry of z is
-/// violated over a run of stages, the bound holds at far fewer in the end: holding all of them,
-/// only the ends of the run would pull the wrong way, and it would shrink by a stage a correction.
-/// So only the worst of each run are held, from which the set grows outwards in a few corrections.
-InteriorPointQp::Corrections InteriorPointQp::correct_guess() noexcept {
-  guess_ = held_;
-  const int n = model_.rows().count();
-  double pull = 0.0;
-  for (int i = 0; i < n; ++i) {
-    if (multiplier_[i] == 0.0) continue;
-    pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
-  }
-  Corrections made;
-  for (int i = 0; i < n; ++i) {
-    violated_[i] = Held::kNo;
-    if (held_[i] == Held::kEquality) continue;
-    if (held_[i] == Held::kNo) {
-      const QpRows::Row& row = model_.rows()[i];
-      const double value = model_.value()[i];
-      if (value < row.lower - slack(value)) violated_[i] = Held::kLower;
-      if (value > row.upper + slack(value)) violated_[i] = Held::kUpper;
-      continue;
-    }
-    const double outwards = held_[i] == Held::kLower ? -multiplier_[i] : multiplier_[i];
-    if (outwards <= 0.0 || outwards <= kTolerance * pull / std::sqrt(compliance_[i])) continue;
-    held_[i] = Held::kNo;
-    ++made.released;
-  }
-  for (int i = 0; i < n; ++i) {
-    const int earlier = model_.rows().beside(i, -1);
-    if (violated_[i] == Held::kNo || is(violated_, earlier, violated_[i])) continue;
-    hold_run(i, made);
-  }
-  return made;
-}
-
-/// Whether a row, if there is one (−1: no), is of this kind.
-bool InteriorPointQp::is(const std::vector<Held>& rows, int row, Held kind) const noexcept {
-  return row >= 0 && row < model_.rows().count() && rows[row] == kind;
-}
-
-/// Holds rows of the run of violated ones that begins here: from held rows beside it on up to the
-/// top of the parabola through its worst and the two beside that one, where the bound was found to
-/// end. Where nothing beside is held, or too little for a guess so far away, the worst alone.
-void InteriorPointQp::hold_run(int first, Corrections& made) noexcept {
-  const QpRows& rows = model_.rows();
-  const Held side = violated_[first];
-  const auto outside = [&](int row) {
-    return side == Held::kLower ? rows[row].lower - model_.value()[row]
-                                : model_.value()[row] - rows[row].upper;
-  };
-  int worst = first, last = first, end = first;
-  for (; is(violated_, end, side); end = rows.beside(end, 1)) {
-    if (outside(end) > outside(worst)) worst = end;
-    last = end;
-  }
-  bool extended = false;
-  const auto extend = [&](int from, int step) {
-    const int held = rows.beside(from, -step), behind = held < 0 ? -1 : rows.beside(held, -step);
-    if (!is(held_, held, side)) return;
-    int length = 0, distance = 1;
-    for (int i = held; is(guess_, i, side); i = rows.beside(i, -step)) ++length;
-    for (int i = from; i != worst; i = rows.beside(i, step)) ++distance;
-    // the worst is nearer to the top than the next one inwards, or the top is between the two
-    const int before = rows.beside(worst, -step), after = rows.beside(worst, step);
-    if (distance > 1 && after >= 0 && outside(before) > outside(after)) --distance;
-    if (distance > length) return;
-    for (int i = from; distance > 0; i = rows.beside(i, step), --distance) {
-      made.taken += held_[i] == side ? 0 : 1;
-      held_[i] = side;
-    }
-    // what pulls the wrong way behind the end of a run does so because the run is too short
-    if (is(guess_, behind, side) && !is(held_, behind, side)) {
-      held_[behind] = side;
-      --made.released;
-    }
-    extended = true;
-  };
-  extend(first, 1);
-  extend(last, -1);
-  if (extended) return;
-  for (int i = first; i != end; i = rows.beside(i, 1)) {
-    if (outside(i) < kWorst * outside(worst)) continue;
-    held_[i] = side;
-    ++made.taken;
-  }
 }
 
 /// Mehrotra's predictor-corrector from the point where only equalities are held.
@@ -323,10 +221,10 @@ QpStatus InteriorPointQp::iterate() noexcept {
 
 /// Guess from the iterate: a row is active where its multiplier is larger than its slack.
 void InteriorPointQp::enter() noexcept {
-  for (Held& held : held_) held = held == Held::kEquality ? held : Held::kNo;
+  held_.release();
   for (int j = 0; j < n_sides_; ++j) {
     if (y_[j] * compliance_[sides_[j].row] <= s_[j]) continue;
-    held_[sides_[j].row] = sides_[j].sign > 0.0 ? Held::kLower : Held::kUpper;
+    held_.set(sides_[j].row, sides_[j].sign > 0.0 ? Held::kLower : Held::kUpper);
   }
 }
 
@@ -372,7 +270,8 @@ bool InteriorPointQp::newton_step() noexcept {
 
   const auto solve_for = [&](double centre, bool corrected) {
     for (int i = 0; i < n; ++i) {
-      extra_[i] = held_[i] == Held::kEquality ? weight_[i] * (model_.value()[i] - target(i)) : 0.0;
+      extra_[i] =
+          held_[i] == Held::kEquality ? weight_[i] * (model_.value()[i] - held_.target(i)) : 0.0;
     }
     const auto complementarity = [&](int j) {
       return s_[j] * y_[j] - centre + (corrected ? ds_affine_[j] * dy_affine_[j] : 0.0);
@@ -413,7 +312,7 @@ bool InteriorPointQp::newton_step() noexcept {
   const double alpha = longest(kToBoundary);
   for (int i = 0; i < n; ++i) {
     if (held_[i] != Held::kEquality) continue;
-    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - target(i) + model_.change(i));
+    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - held_.target(i) + model_.change(i));
   }
   model_.move(alpha);
   for (int j = 0; j < n_sides_; ++j) {
@@ -432,7 +331,8 @@ bool InteriorPointQp::is_infeasible() noexcept {
     violated -= y_[j] * side.sign * (model_.value()[side.row] - side.bound);
   }
   for (int i = 0; i < model_.rows().count(); ++i) {
-    if (held_[i] == Held::kEquality) violated -= multiplier_[i] * (model_.value()[i] - target(i));
+    if (held_[i] == Held::kEquality)
+      violated -= multiplier_[i] * (model_.value()[i] - held_.target(i));
   }
   if (!(violated > 0.0)) return false;
   const Riccati::Reduced reduced = model_.pull(multiplier_);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "controller/c3/active_rows.hpp"
 #include "controller/c3/qp.hpp"
 #include "controller/c3/qp_model.hpp"
 
@@ -18,6 +19,7 @@ namespace c3rt::c3 {
 class InteriorPointQp final : public QpStep {
  public:
   explicit InteriorPointQp(const Sizes& sizes);
+  InteriorPointQp(const InteriorPointQp&) = delete;  // held_ knows the model's rows
 
   void set_costs(const Costs& costs, const Constraints& constraints) override;
   void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept override;
@@ -28,17 +30,11 @@ class InteriorPointQp final : public QpStep {
                                Eigen::Ref<Eigen::VectorXd> x_N) noexcept override;
 
  private:
-  enum class Held : char { kNo, kLower, kUpper, kEquality };
+  using Held = ActiveRows::Held;
   /// One finite side of a row that is no equality: sign (aᵀz − bound) = s ≥ 0.
   struct Side {
     int row;
     double sign, bound;
-  };
-
-  /// How many rows of a guess were held anew and let go of.
-  struct Corrections {
-    int taken = 0, released = 0;
-    int all() const noexcept { return taken + released; }
   };
 
   QpStatus iterate() noexcept;
@@ -49,26 +45,20 @@ class InteriorPointQp final : public QpStep {
   void pull_from_rest() noexcept;
   bool pull_to_the_end() noexcept;
   bool settle() noexcept;
-  Corrections correct_guess() noexcept;
-  void hold_run(int first, Corrections& made) noexcept;
-  bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
   void enter() noexcept;
   void start_sides() noexcept;
   bool newton_step() noexcept;
   bool is_infeasible() noexcept;
   void collect_multipliers() noexcept;
   double residual() noexcept;
-  double target(int row) const noexcept;
 
   Sizes sizes_;
   std::unique_ptr<QpStep> direct_;
   QpModel model_;
+  ActiveRows held_;  // of the model's rows
   int iterations_ = 0;
-  int n_sides_ = 0;             // with λ_0 fixed some are left out
-  std::vector<Side> sides_;     // in the order of the rows
-  std::vector<Held> held_;      // per row
-  std::vector<Held> guess_;     // the one before
-  std::vector<Held> violated_;  // per row: the side
+  int n_sides_ = 0;          // with λ_0 fixed some are left out
+  std::vector<Side> sides_;  // in the order of the rows
   // per row: aᵀ H⁻¹ a, weight of aaᵀ, multiplier (positive: at the lower bound), extra gradient
   Eigen::VectorXd compliance_, weight_, multiplier_, extra_;
   double rho_measured_ = 0.0;  // with which the compliances were found
