@@ -67,10 +67,11 @@ MatrixXd diagonal(config::Section& section, const std::string& key, int size) {
 
 /// {x: …, lambda: …, u: …} on the diagonal of a z.
 MatrixXd load_z_weight(config::Section section, const c3::Sizes& s) {
+  // no comma initialiser: it must not be left by a ConfigError
   VectorXd weight(s.n_z());
-  weight << VectorXd::Constant(s.n_x, section.number("x", kWeight)),
-      VectorXd::Constant(s.n_lambda, section.number("lambda", kWeight)),
-      VectorXd::Constant(s.n_u, section.number("u", kWeight));
+  s.x(weight).setConstant(section.number("x", kWeight));
+  s.lambda(weight).setConstant(section.number("lambda", kWeight));
+  s.u(weight).setConstant(section.number("u", kWeight));
   return weight.asDiagonal();
 }
 
