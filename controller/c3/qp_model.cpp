@@ -110,25 +110,23 @@ Riccati::Reduced QpModel::pull(const VectorXd& multiplier) noexcept {
   return riccati_.reduce(total_, total_N_);
 }
 
-void QpModel::newton(const VectorXd& extra) noexcept {
-  total_ = gradient_;
-  total_N_ = gradient_N_;
-  for (int i = 0; i < rows_.count(); ++i) {
-    if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
-  }
-  riccati_.step(total_, total_N_, step_, step_N_);
-}
+void QpModel::newton(const VectorXd& extra) noexcept { step(gradient_, gradient_N_, extra); }
 
 void QpModel::newton_from_rest(const VectorXd& extra) noexcept {
-  total_ = gradient_rest_;
-  total_N_ = gradient_N_rest_;
-  for (int i = 0; i < rows_.count(); ++i) {
-    if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
-  }
-  riccati_.step(total_, total_N_, step_, step_N_);
+  step(gradient_rest_, gradient_N_rest_, extra);
   z_ = z_rest_ + step_;
   x_N_ = x_N_rest_ + step_N_;
   evaluate();
+}
+
+void QpModel::step(const MatrixXd& gradient, const VectorXd& gradient_N,
+                   const VectorXd& extra) noexcept {
+  total_ = gradient;
+  total_N_ = gradient_N;
+  for (int i = 0; i < rows_.count(); ++i) {
+    if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
+  }
+  riccati_.step(total_, total_N_, step_, step_N_);
 }
 
 void QpModel::move(double alpha) noexcept {

@@ -60,6 +60,8 @@ class QpModel {
 
  private:
   void evaluate() noexcept;
+  void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
+            const Eigen::VectorXd& extra) noexcept;
 
   Sizes sizes_;
   QpCost cost_;
