@@ -6,9 +6,7 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr double kApproachRest = 0.5;  // of the tolerance: a goal nearer than this is reached
-constexpr double kApproachAcceleration = 1.0;  // of the reference [m/s²]
-constexpr double kHeightDoubt = 5e-4;          // of the cameras, of a ball [m]
+constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
@@ -58,7 +56,10 @@ Mode next(Mode mode, const Situation& situation) {
   return Mode::kHold;
 }
 
-Planner::Planner(const Parameters& parameters) : parameters_(parameters), step_(parameters) {
+Planner::Planner(const Parameters& parameters)
+    : parameters_(parameters),
+      step_(parameters),
+      approach_(parameters.approach, parameters.model.table_height) {
   if (parameters.disturbance) disturbance_.emplace(*parameters.disturbance);
   plan_.lambda_d = Eigen::VectorXd::Zero(step_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(step_.n_x(), parameters.N);
@@ -80,8 +81,7 @@ Situation Planner::situation(const Input& input) const noexcept {
                               within(parameters_.approach, ball.ball.p_WB.head<2>());
   }
   situation.hold_requested = input.hold_requested;
-  situation.start_pose_reached =
-      settled_since_ >= 0.0 && input.now - settled_since_ >= parameters_.approach.settle_time;
+  situation.start_pose_reached = approach_.settled(input.now);
   situation.returning = phase_ != Phase::kRoll;
   return situation;
 }
@@ -96,25 +96,22 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   periods_[static_cast<std::size_t>(period_count_++)] = period;
 
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
-  observe_ball(input, in_c3 && c3_since_ >= 0.0);
-  advance_phase(input, in_c3 && c3_since_ >= 0.0);
+  Scene scene = estimate(input);
+  observe_ball(input, scene, in_c3 && c3_since_ >= 0.0);
+  for (Ball& ball : scene.balls) ball.a_WB = disturbance();
+  advance_phase(input.now, scene, in_c3 && c3_since_ >= 0.0);
   Situation known = situation(input);
   // one ball for a whole cycle: half-way to another one nothing is gained
   const int worked = ball_;
   const bool cycle_ended = mode_ == Mode::kRoll && phase_ != Phase::kRoll;
   if (known.balls_at_hand && (mode_ == Mode::kWait || mode_ == Mode::kHold || cycle_ended))
-    ball_ = ball_to_work_on(parameters_.heuristic, parameters_.task, estimate(input), ball_);
+    ball_ = ball_to_work_on(parameters_.heuristic, parameters_.task, scene, ball_);
   known.other_ball = in_c3 && ball_ != worked;
 
   const Mode previous = mode_;
   mode_ = next(mode_, known);
   if (mode_ != previous) {
-    if (mode_ == Mode::kApproach || mode_ == Mode::kHold) {
-      reference_ = input.p_WE;
-      reference_velocity_.setZero();
-      descending_ = false;
-      settled_since_ = -1.0;
-    }
+    if (mode_ == Mode::kApproach || mode_ == Mode::kHold) approach_.begin(input.p_WE);
     if (previous == Mode::kApproach && mode_ == Mode::kReturn) {
       c3_since_ = input.now;
       phase_ = phase_at(parameters_.heuristic, 0.0);
@@ -128,20 +125,21 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       hold(input.state_fresh ? input.p_WE : Eigen::Vector3d::Zero());
       plan_.status = PlanStatus::kFallback;
       break;
-    case Mode::kHold: {
-      // out of the cameras' way, where it can start again from
-      const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-      (void)advance_reference(input,
-                              {reference_.x(), reference_.y(), std::max(reference_.z(), safe)});
-      hold(reference_);
+    case Mode::kHold:
+      approach_.out_of_the_way({input.now, period, input.p_WE});
+      hold(approach_.reference());
+      break;
+    case Mode::kApproach: {
+      const Eigen::Vector3d& p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
+      approach_.to_ball({input.now, period, input.p_WE}, p_WB);
+      hold(approach_.reference());
+      plan_.v_WE = approach_.velocity();
+      plan_.ball_target << target(input, 0.0, scene, ball_), p_WB.z();
       break;
     }
-    case Mode::kApproach:
-      approach(input);
-      break;
     case Mode::kRoll:
     case Mode::kReturn:
-      plan_with_c3(input, deadline);
+      plan_with_c3(input, scene, deadline);
       break;
   }
   plan_.mode = mode_;
@@ -149,12 +147,12 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   return plan_;
 }
 
-void Planner::observe_ball(const Input& input, bool in_c3) noexcept {
+void Planner::observe_ball(const Input& input, const Scene& scene, bool in_c3) noexcept {
   if (!disturbance_) return;
   // before C3 has touched it somebody may hold the ball
   if (!in_c3) ball_touched_ = -1.0;
   if (!in_c3 || !input.balls[0].fresh || !finite(input.balls[0].ball)) return;
-  const double gap = gap_between(parameters_.model, estimate(input), 0);
+  const double gap = gap_between(parameters_.model, scene, 0);
   if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
   if (ball_touched_ < 0.0) return;
   const double exposure = input.now - input.balls[0].age;
@@ -162,19 +160,18 @@ void Planner::observe_ball(const Input& input, bool in_c3) noexcept {
                         exposure < ball_touched_ + parameters_.disturbance->settle);
 }
 
-void Planner::advance_phase(const Input& input, bool in_c3) noexcept {
-  phase_ = phase_at(parameters_.heuristic, in_c3 ? input.now - c3_since_ : 0.0);
+void Planner::advance_phase(double now, const Scene& scene, bool in_c3) noexcept {
+  phase_ = phase_at(parameters_.heuristic, in_c3 ? now - c3_since_ : 0.0);
   if (!in_c3 || phase_ != Phase::kRoll) {
     touched_ = false;
     return;
   }
-  const Scene scene = estimate(input);
   const Eigen::Vector3d& p_WB = scene.balls[static_cast<std::size_t>(ball_)].p_WB;
   const double gap = gap_between(parameters_.model, scene, ball_);
   touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
   const bool slipped_off = (scene.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
   if ((touched_ && gap > parameters_.heuristic.return_gap) || slipped_off) {
-    c3_since_ = input.now;
+    c3_since_ = now;
     phase_ = Phase::kReturnUp;
   }
 }
@@ -232,64 +229,6 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
   plan_.complementarity_violation = 0.0;
 }
 
-// One period's step towards the goal, started and ended gently: a reference whose velocity jumps
-// drives a stiff arm into its torque limits. @return whether the goal is reached. An arm that does
-// not follow (stopped by a person, a reflex) is waited for, so that it finds the reference near by
-// when it moves again.
-bool Planner::advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept {
-  if ((reference_ - input.p_WE).norm() > parameters_.approach.leash) {
-    reference_velocity_.setZero();
-    return false;
-  }
-  const double period = periods_[static_cast<std::size_t>(period_count_ - 1)];
-  const Eigen::Vector3d way = goal - reference_;
-  const double to_go = way.norm();
-  const double step = kApproachAcceleration * period;  // of the speed
-  const double speed = std::min(parameters_.approach.speed, reference_velocity_.norm() + step);
-  // the speed from which the rest of the way is enough to stop
-  const double stopping = std::sqrt(2.0 * kApproachAcceleration * to_go);
-  const bool arrives = to_go <= std::min(speed, stopping) * period;
-  if (arrives) {
-    reference_ = goal;
-    reference_velocity_.setZero();
-    return true;
-  }
-  const Eigen::Vector3d wanted = way * (std::min(speed, stopping) / to_go);
-  const Eigen::Vector3d change = wanted - reference_velocity_;
-  reference_velocity_ += change * std::min(1.0, 2.0 * step / std::max(change.norm(), 1e-12));
-  reference_ += reference_velocity_ * period;
-  return false;
-}
-
-void Planner::approach(const Input& input) noexcept {
-  const double tolerance = parameters_.approach.tolerance;
-  const double safe = parameters_.model.table_height + parameters_.approach.safe_height;
-  const Eigen::Vector3d p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
-  const Eigen::Vector3d start(p_WB.x(), p_WB.y(), p_WB.z() + parameters_.approach.start_height);
-  // a way down once begun is not given up for the noise of the estimate
-  const double beside = (reference_ - start).head<2>().norm();
-  descending_ = beside < (descending_ ? 2.0 * tolerance : tolerance);
-  // up, across, down: never through a ball
-  Eigen::Vector3d goal = start;
-  if (!descending_ && reference_.z() < safe - tolerance) {
-    goal << reference_.x(), reference_.y(), safe;
-  } else if (!descending_) {
-    goal.z() = safe;
-  }
-  // nor does an arm that rests near enough chase it
-  const bool near =
-      reference_velocity_.isZero(0.0) && (goal - reference_).norm() < kApproachRest * tolerance;
-  (void)advance_reference(input, near ? reference_ : goal);
-  hold(reference_);
-  plan_.v_WE = reference_velocity_;
-  plan_.ball_target << target(input, 0.0, estimate(input), ball_), p_WB.z();
-  if ((input.p_WE - start).norm() > tolerance) {
-    settled_since_ = -1.0;
-  } else if (settled_since_ < 0.0) {
-    settled_since_ = input.now;
-  }
-}
-
 Scene Planner::estimate(const Input& input) const noexcept {
   Scene scene{};
   scene.p_WE = input.p_WE;
@@ -301,7 +240,6 @@ Scene Planner::estimate(const Input& input) const noexcept {
     ball = seen.ball;
     // the camera saw the ball a while ago; the arm's state is of now
     if (parameters_.predict_ball) ball.p_WB = seen.ball.p_WB + seen.age * seen.ball.v_WB;
-    if (disturbance_) ball.a_WB = disturbance_->acceleration();
   }
   return scene;
 }
@@ -317,9 +255,9 @@ double Planner::delta_t_c(const Input& input) const noexcept {
   return std::min(std::max(result, 1e-3), parameters_.dt);
 }
 
-void Planner::plan_with_c3(const Input& input, c3::Deadline deadline) noexcept {
+void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline deadline) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
-  Scene x_hat = estimate(input);
+  Scene x_hat = scene;
   const double rise = parameters_.table_below_ball ? lowered(x_hat, worked) : 0.0;
   const Scene seen = x_hat;
   const Eigen::Vector2d target_now = target(input, 0.0, seen, ball_);

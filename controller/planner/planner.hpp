@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "controller/planner/approach.hpp"
 #include "controller/planner/ball_disturbance.hpp"
 #include "controller/planner/c3_step.hpp"
 #include "controller/planner/heuristic.hpp"
@@ -94,12 +95,11 @@ class Planner {
   /// it [m]
   double lowered(Scene& scene, std::size_t worked) const noexcept;
 
-  void approach(const Input& input) noexcept;
-  void plan_with_c3(const Input& input, c3::Deadline deadline) noexcept;
+  void plan_with_c3(const Input& input, const Scene& scene, c3::Deadline deadline) noexcept;
   /// Learns what accelerates the ball that C3 has touched and nobody touches now.
-  void observe_ball(const Input& input, bool in_c3) noexcept;
+  void observe_ball(const Input& input, const Scene& scene, bool in_c3) noexcept;
   /// The phase of the heuristic now; where the ball has run away its clock starts anew.
-  void advance_phase(const Input& input, bool in_c3) noexcept;
+  void advance_phase(double now, const Scene& scene, bool in_c3) noexcept;
   /// The balls at the time of the arm's state.
   Scene estimate(const Input& input) const noexcept;
   double delta_t_c(const Input& input) const noexcept;
@@ -108,25 +108,22 @@ class Planner {
                          int ball) const noexcept;
   double elapsed(const Input& input) const noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;
-  bool advance_reference(const Input& input, const Eigen::Vector3d& goal) noexcept;
 
   Parameters parameters_;
   C3Step step_;
+  Approach approach_;  // and hold
   Plan plan_;
   Counters counters_;
   Mode mode_ = Mode::kWait;
   Phase phase_ = Phase::kRoll;
-  int ball_ = 0;                                         // that the heuristic works on
-  Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();  // of approach and hold
-  Eigen::Vector3d reference_velocity_ = Eigen::Vector3d::Zero();
-  bool descending_ = false;  // the last part of the approach
-  bool touched_ = false;     // in this Phase I
+  int ball_ = 0;          // that the heuristic works on
+  bool touched_ = false;  // in this Phase I
   std::optional<BallDisturbance> disturbance_;
   double ball_touched_ = -1.0;  // the end effector was last near the ball; negative: not yet [s]
-  double previous_now_ = -1.0, settled_since_ = -1.0, c3_since_ = -1.0;
+  double previous_now_ = -1.0, c3_since_ = -1.0;
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;
-  std::array<double, kPeriodsAveraged> periods_{};  // the newest at period_count_ - 1, as a ring
+  std::array<double, kPeriodsAveraged> periods_{};  // the newest at period_count_ - 1
   int period_count_ = 0;
 };
 
