@@ -43,8 +43,8 @@ const std::string kLine =
 }  // namespace
 
 TEST_CASE("scenario: every shipped file can be loaded, and is named as its file") {
-  for (const char* name :
-       {"circle_slow", "circle_fast", "circle_fast_plus", "circle_fast_convex", "circle_vision"}) {
+  for (const char* name : {"circle_slow", "circle_slow_plus", "circle_slow_convex", "circle_fast",
+                           "circle_fast_plus", "circle_fast_convex", "circle_vision"}) {
     const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
     CHECK(scenario.name == name);
     const auto* circle = std::get_if<CircleTask>(&scenario.task.motion);

@@ -16,7 +16,6 @@ namespace {
 struct Course {
   double turns = 0.0;          // of the ball about the circle's centre
   double largest_error = 0.0;  // distance to the circle after the first quarter turn [m]
-  double largest_tracking = 0.0;
 };
 
 Course run(const std::string& scenario_name, std::uint64_t seed, double seconds,
@@ -55,6 +54,18 @@ TEST_CASE("closed loop: with 1 mm of noise the ball still goes round, whatever t
     CAPTURE(seed);
     CHECK(course.turns > 1.0);
     CHECK(course.largest_error < 0.06);
+  }
+}
+
+TEST_CASE("closed loop: C3+ and the convex projection roll it round, too, without and with noise") {
+  for (const char* projection : {"plus", "convex"}) {
+    CAPTURE(projection);
+    const Course slow = run(std::string("circle_slow_") + projection, 1, 20.0);
+    CHECK(slow.turns > 1.0);
+    CHECK(slow.largest_error < 0.02);
+    const Course fast = run(std::string("circle_fast_") + projection, 1, 20.0);
+    CHECK(fast.turns > 1.0);
+    CHECK(fast.largest_error < 0.03);
   }
 }
 
