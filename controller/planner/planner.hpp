@@ -1,6 +1,6 @@
 #pragma once
 // The planner as one function of its inputs: estimate → LCS → Algorithm 1 → Algorithm 3 → (x_d,
-// λ_d). Here is what surrounds Algorithm 3: what to do, the way to the balls, and what is wanted.
+// λ_d). Here is what surrounds Algorithm 3: what to do, and what is wanted.
 #include <array>
 #include <cstdint>
 #include <optional>

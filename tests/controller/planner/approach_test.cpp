@@ -1,5 +1,6 @@
 #include "controller/planner/approach.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
