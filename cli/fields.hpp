@@ -107,6 +107,7 @@ void visit_fields(const wire::Scene& s, Visitor& visit) {
 
 template <typename Visitor>
 void visit_fields(const wire::TaskTarget& s, Visitor& visit) {
+  visit("request_id", s.request_id);
   visit("kind", s.kind);
   visit("center_m", s.center_m);
   visit("radius_m", s.radius_m);
@@ -144,7 +145,7 @@ void visit_fields(const wire::ServiceStatus& s, Visitor& visit) {
   visit_quantiles("wakeup_latency_p50_s", "wakeup_latency_p99_s", "wakeup_latency_max_s",
                   s.wakeup_latency, visit);
   visit_quantiles("compute_p50_s", "compute_p99_s", "compute_max_s", s.compute, visit);
-  for (int i = 0; i < c3rt_v1_COUNTERS && s.counter_names[i][0] != '\0'; ++i)
+  for (int i = 0; i < c3rt_v2_COUNTERS && s.counter_names[i][0] != '\0'; ++i)
     visit(s.counter_names[i], s.counters[i]);
 }
 
@@ -166,6 +167,7 @@ void visit_fields(const wire::ServiceReply& s, Visitor& visit) {
 template <typename Visitor>
 void visit_fields(const wire::FaultInject& s, Visitor& visit) {
   visit("process", s.process);
+  visit("request_id", s.request_id);
   visit("kind", s.kind);
   visit("index", s.index);
   visit("duration_s", s.duration_s);

@@ -39,7 +39,7 @@ Planning planning(const Live& live) {
 }  // namespace
 
 std::uint64_t counter(const wire::ServiceStatus& status, const char* name) {
-  for (int i = 0; i < c3rt_v1_COUNTERS; ++i) {
+  for (int i = 0; i < c3rt_v2_COUNTERS; ++i) {
     if (std::strcmp(status.counter_names[i], name) == 0) return status.counters[i];
   }
   return 0;

@@ -83,7 +83,7 @@ class StatusReporter {
   ~StatusReporter();  // publishes SERVICE_STOPPING (a SERVICE_FAILED stays)
   void set_state(c3rt_v1_ServiceState state, std::string_view text);  // not for the servo thread
   /// A named counter; the reference stays valid, incrementing it is wait-free.
-  /// @throws WireError beyond COUNTERS names or 23 letters
+  /// @throws WireError beyond COUNTERS names or 31 letters
   std::atomic<std::uint64_t>& counter(std::string_view name);
   rt::Statistics& wakeup_latency() noexcept;  // wait-free to add to, from one thread
   rt::Statistics& compute() noexcept;         // one sample per cycle: rate_hz is counted here

@@ -95,7 +95,7 @@ struct StatusReporter::Implementation {
   Bus& bus;
   Writer<ServiceStatus> writer;
   rt::Statistics wakeup_latency, compute;
-  std::array<std::atomic<std::uint64_t>, c3rt_v1_COUNTERS> counters{};
+  std::array<std::atomic<std::uint64_t>, c3rt_v2_COUNTERS> counters{};
 
   std::mutex mutex;  // of what follows: set_state() and counter() against the thread
   ServiceStatus status{};
@@ -129,7 +129,7 @@ std::atomic<std::uint64_t>& StatusReporter::counter(std::string_view name) {
     if (name == status.counter_names[i])
       return implementation_->counters[static_cast<std::size_t>(i)];
   }
-  if (implementation_->names == c3rt_v1_COUNTERS || name.size() >= sizeof status.counter_names[0]) {
+  if (implementation_->names == c3rt_v2_COUNTERS || name.size() >= sizeof status.counter_names[0]) {
     throw WireError("service/status has no room for the counter " + std::string(name));
   }
   const int i = implementation_->names++;

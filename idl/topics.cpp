@@ -37,18 +37,18 @@ constexpr Topic kBallDetection{"ball/detection", &c3rt_v1_BallDetection_desc, Qo
                                Stream::kBallDetection, 0.0};
 constexpr Topic kBallEstimate{"ball/estimate", &c3rt_v1_BallEstimate_desc, Qos::kStream,
                               Stream::kBallEstimate, 0.1};
-constexpr Topic kTaskTarget{"task/target", &c3rt_v1_TaskTarget_desc, Qos::kEvent, Stream::kNone,
+constexpr Topic kTaskTarget{"task/target", &c3rt_v2_TaskTarget_desc, Qos::kEvent, Stream::kNone,
                             0.0};
 constexpr Topic kScene{"sim/scene", &c3rt_v1_Scene_desc, Qos::kStream, Stream::kScene, 0.0};
 constexpr Topic kTick{"sim/tick", &c3rt_v1_Tick_desc, Qos::kSync, Stream::kNone, 0.0, true};
 constexpr Topic kDone{"sim/done", &c3rt_v1_Done_desc, Qos::kSync, Stream::kNone, 0.0};
-constexpr Topic kServiceStatus{"service/status", &c3rt_v1_ServiceStatus_desc, Qos::kStatus,
+constexpr Topic kServiceStatus{"service/status", &c3rt_v2_ServiceStatus_desc, Qos::kStatus,
                                Stream::kNone, 0.0};
 constexpr Topic kServiceRequest{"service/request", &c3rt_v1_ServiceRequest_desc, Qos::kEvent,
                                 Stream::kNone, 0.0};
-constexpr Topic kServiceReply{"service/reply", &c3rt_v1_ServiceReply_desc, Qos::kEvent,
+constexpr Topic kServiceReply{"service/reply", &c3rt_v2_ServiceReply_desc, Qos::kEvent,
                               Stream::kNone, 0.0};
-constexpr Topic kFaultInject{"fault/inject", &c3rt_v1_FaultInject_desc, Qos::kEvent, Stream::kNone,
+constexpr Topic kFaultInject{"fault/inject", &c3rt_v2_FaultInject_desc, Qos::kEvent, Stream::kNone,
                              0.0};
 
 }  // namespace

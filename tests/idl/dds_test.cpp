@@ -112,6 +112,7 @@ template <>
 TaskTarget filled() {
   TaskTarget sample{};
   sample.kind = c3rt_v1_TARGET_POINT;
+  sample.request_id = 78;
   sample.lead_rad = -0.5;
   return sample;
 }
@@ -139,8 +140,11 @@ ServiceStatus filled() {
   sample.process = c3rt_v1_PROCESS_PLANNER;
   sample.state = c3rt_v1_SERVICE_DEGRADED;
   std::strcpy(sample.text, "one sentence");
-  std::strcpy(sample.counter_names[15], "twenty-three letters...");
-  sample.counters[15] = ~0ull;
+  std::strcpy(sample.counter_names[31], "thirty-one letters, no more....");
+  sample.counters[31] = ~0ull;
+  std::strcpy(sample.refused[15].topic, "robot/command");
+  std::strcpy(sample.refused[15].latest, std::string(255, 'w').c_str());
+  sample.refused[15].count = 3;
   sample.compute.p999_s = 1e-3;
   return sample;
 }
@@ -156,13 +160,14 @@ ServiceReply filled() {
   ServiceReply sample{};
   sample.request_id = 77;
   sample.ok = true;
-  std::strcpy(sample.text, "done");
+  std::strcpy(sample.text, std::string(511, 'd').c_str());
   return sample;
 }
 template <>
 FaultInject filled() {
   FaultInject sample{};
   sample.process = c3rt_v1_PROCESS_RECORDER;
+  sample.request_id = 79;
   sample.kind = c3rt_v1_FAULT_NAN;
   sample.value[2] = 0.125;
   return sample;

@@ -121,7 +121,7 @@ TEST_CASE(
   REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, command));
 
   const auto counter = [&](const char* wanted) -> std::uint64_t {
-    for (int i = 0; i < c3rt_v1_COUNTERS; ++i)
+    for (int i = 0; i < c3rt_v2_COUNTERS; ++i)
       if (std::strcmp(status.counter_names[i], wanted) == 0) return status.counters[i];
     return 0;
   };
