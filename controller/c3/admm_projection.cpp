@@ -164,6 +164,11 @@ class AdmmProjection final : public Projection {
 
   /// Keeps the copy that is nearest to the set, of all turns. Returns how near `copy` is.
   double consider(const VectorXd& s, const VectorXd& copy) noexcept {
+    if (n_ == 0) {
+      best_violation_ = 0.0;
+      best_ = copy;
+      return 0.0;
+    }
     const double violation = s.head(n_).cwiseMin(s.tail(n_)).cwiseAbs().maxCoeff();
     if (violation < best_violation_) {
       best_violation_ = violation;

@@ -102,6 +102,7 @@ class ConvexProjection final : public Projection {
     S_ = 0.5 * F;
     S_ += 0.5 * F.transpose();
     S_.diagonal().array() += epsilon_;
+    if (n_ == 0) return true;
     if (S_.diagonal().minCoeff() < 0.0) return false;
     cholesky_.compute(S_);
     if (is_definite()) return true;

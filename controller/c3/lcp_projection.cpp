@@ -48,6 +48,7 @@ class LcpProjection final : public Projection {
   /// regularised problem had a solution, that of the given one may be far away.
   bool is_in_set(const VectorXd& q, const Eigen::Ref<const VectorXd>& lambda,
                  const Eigen::Ref<const VectorXd>& v) const noexcept {
+    if (sizes_.n_lambda == 0) return true;
     const double largest = lambda.maxCoeff();
     for (int i = 0; i < sizes_.n_lambda; ++i) {
       double y = q[i], terms = std::abs(lcs_->c[i]), possible = 0.0;

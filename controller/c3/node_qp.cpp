@@ -56,7 +56,7 @@ void NodeQp::copy_from(const NodeQp& other) noexcept {
 NodeQp::Status NodeQp::solve(const Eigen::MatrixXd& C, const Eigen::VectorXd& t, double tolerance,
                              double bound) noexcept {
   const int size = static_cast<int>(s_.size());
-  for (int iteration = 0; iteration < 20 * size; ++iteration) {
+  for (int iteration = 0; iteration <= 20 * size; ++iteration) {
     int p = -1;
     double worst = tolerance;
     for (int i = 0; i < size; ++i) {

@@ -76,6 +76,7 @@ void require_weights(const std::string& field, const PerStage<Eigen::MatrixXd>& 
 
 void require_definite(const std::string& name, const Eigen::MatrixXd& weight, Eigen::Index size) {
   require_weight(name, weight, size);
+  if (size == 0) return;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(weight, Eigen::EigenvaluesOnly);
   if (!(eigen.eigenvalues()[0] > 0.0)) {
     refuse(name, "a positive definite matrix", "the eigenvalue " + text(eigen.eigenvalues()[0]));
@@ -142,6 +143,7 @@ bool has_bound(const PerStage<Eigen::VectorXd>& bounds) {
 /// Without this the QP step has no unique minimiser.
 void require_definite_inputs(const Costs& costs, const Sizes& sizes) {
   const int n_nu = sizes.n_lambda + sizes.n_u;
+  if (n_nu == 0) return;
   for (int k = 0; k < std::max(costs.G.count(), costs.R.count()); ++k) {
     Eigen::MatrixXd weight = costs.G[k].bottomRightCorner(n_nu, n_nu);
     weight.bottomRightCorner(sizes.n_u, sizes.n_u) += costs.R[k];
@@ -163,8 +165,8 @@ void check(const Sizes& sizes) {
     }
   };
   at_least("Sizes.n_x", sizes.n_x, 1);
-  at_least("Sizes.n_lambda", sizes.n_lambda, 1);
-  at_least("Sizes.n_u", sizes.n_u, 1);
+  at_least("Sizes.n_lambda", sizes.n_lambda, 0);
+  at_least("Sizes.n_u", sizes.n_u, 0);
   at_least("Sizes.N", sizes.N, 1);
 }
 

@@ -10,7 +10,7 @@
 namespace c3rt::c3 {
 
 /// Sizes of one C3 problem. z_k = [x_k; λ_k; u_k] for k = 0 … N−1; x_N stands alone. Every block
-/// offset in z comes from here.
+/// offset in z comes from here. n_lambda = 0 is a model without contacts, n_u = 0 one without inputs.
 struct Sizes {
   int n_x, n_lambda, n_u, N;
 

@@ -299,6 +299,7 @@ double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,
                      const Eigen::Ref<const MatrixXd>& z) noexcept {
   double ratio = 0.0;
   const auto compare = [&](int first, int count) {
+    if (count == 0) return;
     const double size = z.middleRows(first, count).cwiseAbs().maxCoeff();
     const double change = step.middleRows(first, count).cwiseAbs().maxCoeff();
     if (change > ratio * size) ratio = change / size;

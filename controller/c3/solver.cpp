@@ -358,6 +358,7 @@ void Solver::record(Horizon lcs, double rho, bool projected) noexcept {
 
 double Solver::complementarity_violation(Horizon lcs) noexcept {
   double worst = 0.0;
+  if (sizes_.n_lambda == 0) return worst;
   for (int k = 0; k < sizes_.N; ++k) {
     const auto z_k = solution_.z.col(k);
     y_ = lcs[k].c;

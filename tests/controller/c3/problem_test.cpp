@@ -88,8 +88,10 @@ TEST_CASE("bounds: wrong length, NaN and crossed limits are refused by name") {
 }
 
 TEST_CASE("sizes and settings: what cannot be is refused by name") {
-  REQUIRE_THROWS_WITH(check(Sizes{2, 0, 1, 3}),
-                      Equals("Sizes.n_lambda: expected 1 or more, got 0"));
+  REQUIRE_NOTHROW(check(Sizes{2, 0, 1, 3}));
+  REQUIRE_NOTHROW(check(Sizes{2, 1, 0, 3}));
+  REQUIRE_THROWS_WITH(check(Sizes{2, -1, 1, 3}),
+                      Equals("Sizes.n_lambda: expected 0 or more, got -1"));
   Settings settings = good_settings();
   REQUIRE_NOTHROW(check(settings));
   settings.admm_iterations = 0;

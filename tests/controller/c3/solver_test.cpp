@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -320,6 +321,96 @@ TEST_CASE("solver: a solve does not allocate") {
       CAPTURE(static_cast<int>(backend), static_cast<int>(kind));
       CHECK(ok == 3);
       CHECK(heap_calls == 0);
+    }
+  }
+}
+
+namespace {
+
+/// Random, stable, with bounds on u or without: blocks of the given sizes.
+struct Sized {
+  Sizes sizes;
+  lcs::Lcs lcs;
+  Costs costs;
+  VectorXd x0;
+  MatrixXd x_desired;
+};
+
+Sized sized(int n_lambda, int n_u, unsigned seed) {
+  support::Random random(seed);
+  const int n_x = 3, N = 4, n_z = n_x + n_lambda + n_u;
+  const auto identity = [](int n) { return MatrixXd(MatrixXd::Identity(n, n)); };
+  Sized p{{n_x, n_lambda, n_u, N}, {}, {}, random.vector(n_x), random.matrix(n_x, N + 1)};
+  p.lcs = {0.5 * random.matrix(n_x, n_x), random.matrix(n_x, n_u),
+           random.matrix(n_x, n_lambda),  random.vector(n_x),
+           random.matrix(n_lambda, n_x),  identity(n_lambda),
+           MatrixXd::Zero(n_lambda, n_u), random.vector(n_lambda)};
+  p.costs = {identity(n_x), identity(n_x), identity(n_u), identity(n_z), identity(n_z)};
+  p.costs.convex = {identity(n_x), identity(n_u), 0.5, 1e-3};
+  const VectorXd ones = VectorXd::Ones(n_lambda);
+  p.costs.plus = {ones, ones, ones, ones};
+  return p;
+}
+
+/// `to` is `from` without its contacts, without its inputs, or without both.
+void strip(const Sized& from, Sized& to) {
+  const Sizes& s = to.sizes;
+  to.x0 = from.x0;
+  to.x_desired = from.x_desired;
+  to.lcs = {from.lcs.A,
+            from.lcs.B.leftCols(s.n_u),
+            from.lcs.D.leftCols(s.n_lambda),
+            from.lcs.d,
+            from.lcs.E.topRows(s.n_lambda),
+            from.lcs.F.topLeftCorner(s.n_lambda, s.n_lambda),
+            from.lcs.H.topLeftCorner(s.n_lambda, s.n_u),
+            from.lcs.c.head(s.n_lambda)};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "solver: without contacts or without inputs it plans as with ones that move nothing, with "
+    "every projection and QP step") {
+  for (const auto& [n_lambda, n_u] : {std::pair{0, 2}, std::pair{2, 0}, std::pair{0, 0}}) {
+    for (const QpBackend backend :
+         {QpBackend::kDirect, QpBackend::kInteriorPoint, QpBackend::kOsqp}) {
+      for (const ProjectionKind kind :
+           {ProjectionKind::kMiqp, ProjectionKind::kLcp, ProjectionKind::kAdmm,
+            ProjectionKind::kConvex, ProjectionKind::kPlus}) {
+        Sized full = sized(2, 2, 5), part = sized(n_lambda, n_u, 6);
+        if (n_lambda == 0) {
+          full.lcs.D.setZero();
+          full.lcs.E.setZero();
+          full.lcs.c.setOnes();
+        }
+        if (n_u == 0) full.lcs.B.setZero();
+        strip(full, part);
+        Settings with = settings(backend);
+        with.projection = kind;
+        with.osqp = {20000, 1e-9, 0.1, 50, false};
+        with.project_last = true;
+        const auto solve = [&](const Sized& p) {
+          Constraints bounds;
+          if (backend != QpBackend::kDirect) {
+            bounds.x_max = VectorXd::Constant(3, 100.0);
+            bounds.x_min = VectorXd::Constant(3, -100.0);
+            bounds.u_max = VectorXd::Constant(p.sizes.n_u, 0.1);
+            bounds.lambda_max = VectorXd::Constant(p.sizes.n_lambda, 50.0);
+          }
+          Solver c3(p.sizes, with);
+          c3.set_costs(p.costs, bounds);
+          return c3.solve(p.lcs, p.x0, p.x_desired);
+        };
+        const Solution got = solve(part), expected = solve(full);
+        CAPTURE(n_lambda, n_u, static_cast<int>(backend), static_cast<int>(kind));
+        CHECK(got.status == SolveStatus::kOk);
+        CHECK(got.sizes.n_z() == 3 + n_lambda + n_u);
+        CHECK((got.z.topRows(3) - expected.z.topRows(3)).norm() < 1e-5);
+        CHECK((got.x_N - expected.x_N).norm() < 1e-5);
+        if (n_u > 0) CHECK((got.u_0() - expected.u_0()).norm() < 1e-5);
+        if (n_lambda == 0) CHECK(got.complementarity_violation == 0.0);
+      }
     }
   }
 }
