@@ -1,6 +1,8 @@
 // The one command that a person types.
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <map>
@@ -9,7 +11,8 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "cli/bench.hpp"
 #include "cli/campaign/options.hpp"
@@ -305,23 +308,46 @@ class CommandLine {
   cli::BenchSettings bench_;
 };
 
+/// The first files that are opened must not become standard streams that the caller has closed. These
+/// stay unusable, so that what is written to them is missed.
+void hold_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    (void)open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+/// Whatever has become of standard error.
+void say(const std::exception& error) { std::fprintf(stderr, "c3rt: error: %s\n", error.what()); }
+
+/// @throws std::runtime_error where something that was printed did not get there
+void flush_standard_output() {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw std::runtime_error(std::string("cannot write to standard output: ") +
+                           (errno != 0 ? std::strerror(errno) : "something was lost"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_standard_streams();
   const wire::StopFlag stop_flag;
   try {
-    return CommandLine().run(argc, argv);
+    const int status = CommandLine().run(argc, argv);
+    flush_standard_output();
+    return status;
   } catch (const cli::ProcessFailure& error) {
-    fmt::print(stderr, "c3rt: error: {}\n", error.what());
+    say(error);
     return cli::kProcessFailed;
   } catch (const cli::UsageError& error) {
-    fmt::print(stderr, "c3rt: error: {}\n", error.what());
+    say(error);
     return cli::kUsage;
   } catch (const config::ConfigError& error) {
-    fmt::print(stderr, "c3rt: error: {}\n", error.what());
+    say(error);
     return cli::kUsage;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "c3rt: error: {}\n", error.what());
+    say(error);
     return cli::kProcessFailed;
   }
 }

@@ -1,12 +1,18 @@
 #include "cli/paths.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <deque>
 #include <fstream>
 #include <sstream>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace c3rt::cli {
@@ -120,9 +126,42 @@ std::string read_text(const fs::path& file) {
 }
 
 void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file);
-  stream << text;
-  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
+  const auto fail = [&](int error) {
+    throw std::runtime_error("cannot write " + file.string() + ": " + std::strerror(error));
+  };
+  // a link stays one
+  fs::path target = file;
+  std::error_code no_link;
+  for (int links = 0; links < 40 && fs::is_symlink(target, no_link); ++links)
+    target = target.parent_path() / fs::read_symlink(target, no_link);
+  struct stat existing{};
+  const bool exists = stat(target.c_str(), &existing) == 0;
+  if (exists && access(target.c_str(), W_OK) != 0) fail(errno);
+  const bool in_place = exists && !S_ISREG(existing.st_mode);
+  static std::atomic<int> number{0};
+  const std::string part_name =
+      ".c3rt-" + std::to_string(getpid()) + "-" + std::to_string(++number) + ".part";
+  const fs::path part = in_place ? target : target.parent_path() / part_name;
+  const int descriptor =
+      open(part.c_str(), O_WRONLY | O_CLOEXEC | (in_place ? 0 : O_CREAT | O_TRUNC), 0666);
+  if (descriptor < 0) fail(errno);
+  int error = 0;
+  for (std::size_t done = 0; done < text.size() && error == 0;) {
+    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
+    if (count >= 0) {
+      done += static_cast<std::size_t>(count);
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  if (!in_place && exists && error == 0 && fchmod(descriptor, existing.st_mode & 07777) != 0)
+    error = errno;
+  if (!in_place && error == 0 && fsync(descriptor) != 0) error = errno;
+  if (close(descriptor) != 0 && error == 0) error = errno;
+  if (!in_place && error == 0 && rename(part.c_str(), target.c_str()) != 0) error = errno;
+  if (error == 0) return;
+  if (!in_place) unlink(part.c_str());
+  fail(error);
 }
 
 std::string tail(const fs::path& file, int lines) {

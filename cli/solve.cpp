@@ -1,11 +1,14 @@
 #include "cli/solve.hpp"
 
 #include <chrono>
+#include <cerrno>
 #include <cstdio>
-#include <fstream>
+#include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
@@ -42,23 +45,40 @@ struct Watch {
 void print_summary(const config::ProblemResult& result) {
   std::string u_0;
   for (Eigen::Index i = 0; i < result.u.rows(); ++i) u_0 += fmt::format(" {:.6g}", result.u(i, 0));
-  fmt::print(
-      stderr,
-      "c3rt: {}: u_0 ={}, objective {:.6g}, complementarity violation {:.2g}, {} iterations, "
+  const std::string line = fmt::format(
+      "c3rt: {}{}{}: u_0 ={}, objective {:.6g}, complementarity violation {:.2g}, {} iterations, "
       "{:.3g} ms\n",
-      result.status, u_0, result.objective, result.complementarity_violation, result.iterations,
+      result.status, result.note.empty() ? "" : ": ", result.note, u_0, result.objective, result.complementarity_violation, result.iterations,
       1e3 * result.solve_time_s);
+  std::fputs(line.c_str(), stderr);
 }
 
-void write(const std::string& text, const std::string& out) {
-  if (out.empty() || out == "-") {
-    fmt::print("{}", text);
-    return;
+bool is_standard_output(const std::string& out) { return out.empty() || out == "-"; }
+
+/// Before the work, which would be lost.
+void require_place(const std::string& out, const std::string& problem) {
+  namespace fs = std::filesystem;
+  if (is_standard_output(out)) return;
+  const auto refuse = [&](const std::string& expected) {
+    throw UsageError(fmt::format("--out: expected {}, got {}", expected, out));
+  };
+  std::error_code error;
+  if (fs::equivalent(problem, out, error)) refuse("another file than the problem's");
+  if (fs::is_directory(out, error)) refuse("a file that can be written, not a folder");
+  const fs::path folder = fs::path(out).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error)) refuse("a file in a folder that exists");
+  if (fs::exists(out, error) && access(out.c_str(), W_OK) != 0) {
+    refuse("a file that can be written");
   }
-  std::ofstream file(out);
-  file << text;
-  file.close();
-  if (!file) throw UsageError(fmt::format("{}: expected a file that can be written", out));
+}
+
+/// @throws std::runtime_error where it does not get there
+void write(const std::string& text, const std::string& out) {
+  if (!is_standard_output(out)) return write_text(out, text);
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw std::runtime_error(fmt::format("cannot write the result to standard output: {}",
+                                         std::strerror(errno)));
+  }
 }
 
 /// What a call came to: the text of the result file, and whether there is an answer.
@@ -88,7 +108,8 @@ Answer solve_monolithic(const config::ProblemFile& problem, const c3::Deadline& 
                                0.0,
                                0.0,
                                static_cast<int>(found.nodes),
-                               solve_time_s};
+                               solve_time_s,
+                               ""};
   if (found.plan) {
     result.status = found.is_proven ? "ok" : "truncated";
     result.x = found.plan->x;
@@ -125,6 +146,7 @@ Answer solve_c3(const config::ProblemFile& problem, const c3::Deadline& deadline
 }  // namespace
 
 int solve(const std::string& path, const std::string& out) {
+  require_place(out, path);
   const config::ProblemFile problem = config::load_problem(path);
   Watch watch;
   if (problem.deadline_s) {

@@ -1,8 +1,10 @@
 #include "config/problem_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -20,6 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxStages = 1000, kMaxIterations = 100000, kMaxThreads = 256;
 constexpr double kMaxTraceNumbers = 1e8;
 constexpr int kMaxNodes = 1 << 20;  // of one projection's branch and bound
+constexpr std::size_t kMaxBytes = 1UL << 28;
 
 Eigen::Index rows_of(const Json& json, const char* key) {
   return json.is_object() && json.contains(key) && json[key].is_array()
@@ -167,7 +170,7 @@ ProblemFile read(const Json& json, const std::string& name) {
   settings.rho_scale = params.number("rho_s", 0.0, kInfinity, 1.0);
   settings.delta_starts_at_x0 = params.choice("delta0", {"zero", "x0"}, 0) == 1;
   settings.fix_lambda_0 = params.boolean("fix_lambda0", false);
-  settings.max_nodes = kMaxNodes;
+  settings.max_nodes = params.integer("max_nodes", 1, kMaxNodes, kMaxNodes);
   settings.project_last = true;  // the result's last iterate is whole, as in the golden files
   settings.trace = top.boolean("trace", false);
   p.big_M = params.number("M", 0.0, kInfinity, 1000.0);
@@ -227,10 +230,24 @@ ProblemFile parse_problem(const std::string& text, const std::string& name) {
 }
 
 ProblemFile load_problem(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError(path + ": expected a file that can be read");
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) throw ConfigError(path + ": expected a file that can be read");
+  const auto refuse = [&](const std::string& expected, const std::string& got) {
+    throw ConfigError(path + ": expected " + expected + ", got " + got);
+  };
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) refuse("a problem file", "a folder");
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse("a file that can be read", std::strerror(errno));
+  std::string text;
+  // bit by bit: what is no file need not end, nor tell its size
+  for (char part[1 << 16]; file.read(part, sizeof part), file.gcount() > 0;) {
+    text.append(part, static_cast<std::size_t>(file.gcount()));
+    if (text.size() > kMaxBytes) {
+      refuse("at most " + std::to_string(kMaxBytes) + " bytes", "more");
+    }
+  }
+  if (file.bad()) refuse("a file that can be read", std::strerror(errno));
+  if (text.empty()) refuse("a problem", "an empty file");
   return parse_problem(text, path);
 }
 

@@ -45,6 +45,7 @@ struct ProblemResult {
   double complementarity_violation;
   int iterations;
   double solve_time_s;
+  std::string note;  // why an answer is truncated, for a person
 };
 
 /// Of a solution of Algorithm 1; `iterates` of the solver's trace are written if it kept one.

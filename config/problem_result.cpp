@@ -1,3 +1,6 @@
+#include <sstream>
+
+#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "config/problem_file.hpp"
@@ -30,36 +33,109 @@ const char* text(c3::ProjectionStatus status) {
       return "node limit";
     case c3::ProjectionStatus::kDeadline:
       return "deadline";
-    case c3::ProjectionStatus::kNone:
+    case c3::ProjectionStatus::kEmpty:
+      return "no point";
+    case c3::ProjectionStatus::kNotFound:
       return "no point found";
+    case c3::ProjectionStatus::kNotConvex:
+      return "not convex";
+    case c3::ProjectionStatus::kInaccurate:
+      return "inaccurate";
     case c3::ProjectionStatus::kNotFinite:
       return "not finite";
   }
   return "";
 }
 
-std::string status_of(const c3::Solution& solution) {
+const lcs::Lcs& system(const ProblemFile& problem, int k) {
+  return problem.lcs[problem.lcs.size() == 1 ? 0 : static_cast<std::size_t>(k)];
+}
+
+const char* why(c3::QpStatus status) {
+  switch (status) {
+    case c3::QpStatus::kInfeasible:
+      return "the bounds cannot be met";
+    case c3::QpStatus::kIterationLimit:
+      return "the QP did not converge";
+    case c3::QpStatus::kNotFactorable:
+      return "the QP is beyond double precision";
+    case c3::QpStatus::kSolved:
+      break;
+  }
+  return "the QP was not solved";
+}
+
+/// Why the projection of a stage has no point.
+std::string why_no_point(const ProblemFile& problem, const c3::ProjectionReport& report, int k) {
+  const c3::ProjectionKind kind = problem.settings.projection;
+  switch (report.status) {
+    case c3::ProjectionStatus::kEmpty:
+      return kind == c3::ProjectionKind::kMiqp
+                 ? "the set that the projection is onto is empty"
+                 : "the set that the projection is onto is empty: no x, u and lambda >= 0 have "
+                   "E x + F lambda + H u + c >= 0";
+    case c3::ProjectionStatus::kNotFound:
+      if (kind == c3::ProjectionKind::kLcp) return "Lemke's method finds no solution of the LCP";
+      return kind == c3::ProjectionKind::kMiqp && report.nodes >= problem.settings.max_nodes
+                 ? "the projection's search ended at max_nodes = " +
+                       std::to_string(problem.settings.max_nodes) + " before it found a point"
+                 : "the projection's search ended in rounding before it found a point";
+    case c3::ProjectionStatus::kNotConvex: {
+      const lcs::Lcs& lcs = system(problem, k);
+      const MatrixXd twice = lcs.F + lcs.F.transpose();
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(twice, Eigen::EigenvaluesOnly);
+      std::ostringstream text;
+      text << "the convex projection needs F + eps I positive semidefinite, its smallest "
+              "eigenvalue is "
+           << 0.5 * eigen.eigenvalues()[0] + problem.costs.convex.epsilon;
+      return text.str();
+    }
+    case c3::ProjectionStatus::kInaccurate:
+      return "of the projection's point no digits are left: weights or units lie too far apart";
+    case c3::ProjectionStatus::kNotFinite:
+      return "numbers beyond double precision";
+    case c3::ProjectionStatus::kSolved:
+    case c3::ProjectionStatus::kNodeLimit:
+    case c3::ProjectionStatus::kDeadline:
+      break;
+  }
+  return "the projection has no point";
+}
+
+std::string status_of(const ProblemFile& problem, const c3::Solution& solution) {
   if (solution.status == c3::SolveStatus::kOk) return "ok";
   if (solution.status == c3::SolveStatus::kTruncated) return "truncated";
   switch (solution.failure) {
     case c3::Failure::kLambda0:
       return "fail: the LCP at x0 has no solution that Lemke's method finds";
     case c3::Failure::kQp:
-      return solution.qp.status == c3::QpStatus::kInfeasible
-                 ? "fail: the bounds cannot be met"
-                 : "fail: the QP is beyond double precision";
+      return std::string("fail: ") + why(solution.qp.status);
     case c3::Failure::kProjection:
-      return "fail: the projection found no point of the LCP's set";
+      return "fail: stage " + std::to_string(solution.failed_stage) + ": " +
+             why_no_point(problem, solution.projection, solution.failed_stage);
     case c3::Failure::kNotFinite:
       return "fail: numbers beyond double precision";
-    default:
-      return "fail: not a problem that can be solved";
+    case c3::Failure::kNoCosts:
+    case c3::Failure::kWrongSize:
+    case c3::Failure::kNone:
+      break;
   }
+  return "fail: not a problem that can be solved";
+}
+
+/// "" or why a truncated answer is less than Algorithm 1.
+std::string note_of(const ProblemFile& problem, const c3::Solution& solution) {
+  if (solution.status != c3::SolveStatus::kTruncated) return "";
+  if (solution.inexact_projections == 0) return "the deadline struck";
+  return std::to_string(solution.inexact_projections) + " of " +
+         std::to_string(solution.projections * problem.sizes.N) +
+         " projections are not proven the nearest: their search ended early (max_nodes = " +
+         std::to_string(problem.settings.max_nodes) + ")";
 }
 
 /// 1 where λ is free and its gap zero, 0 where λ is zero.
 Json modes(const ProblemFile& p, int k, const VectorXd& delta) {
-  const lcs::Lcs& lcs = p.lcs[p.lcs.size() == 1 ? 0 : static_cast<std::size_t>(k)];
+  const lcs::Lcs& lcs = system(p, k);
   const VectorXd lambda = p.sizes.lambda(delta);
   const VectorXd y = lcs.E * p.sizes.x(delta) + lcs.F * lambda + lcs.H * p.sizes.u(delta) + lcs.c;
   Json out = Json::array();
@@ -74,14 +150,15 @@ ProblemResult to_result(const ProblemFile& problem, const c3::Solution& solution
   const c3::Sizes& s = problem.sizes;
   MatrixXd x(s.n_x, s.N + 1);
   x << solution.z.topRows(s.n_x), solution.x_N;
-  return {status_of(solution),
+  return {status_of(problem, solution),
           x,
           solution.z.middleRows(s.n_x, s.n_lambda),
           solution.z.middleRows(s.n_x + s.n_lambda, s.n_u),
           c3::cost(problem.costs, s, problem.x_desired, solution.z, solution.x_N),
           solution.complementarity_violation,
           solution.iterations,
-          solve_time_s};
+          solve_time_s,
+          note_of(problem, solution)};
 }
 
 std::string to_json(const ProblemFile& problem, const ProblemResult& result,

@@ -72,14 +72,14 @@ class AdmmProjection final : public Projection {
                            const Deadline& deadline) noexcept override {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
-    if (eigen_.info() != Eigen::Success) return {ProjectionStatus::kNone, 0, 0.0};
+    if (eigen_.info() != Eigen::Success) return {ProjectionStatus::kInaccurate, 0, 0.0};
     rows_.evaluate(v);
     const double magnitude = rows_.largest;
     linearise();
     h_.setZero();
     omega_.setZero();
     best_violation_ = kInfinity;
-    ProjectionStatus status = ProjectionStatus::kSolved;
+    ProjectionStatus status = ProjectionStatus::kSolved, without = ProjectionStatus::kNotFound;
     double rho = settings_.rho;
     long turns = 0;
     while (turns < settings_.iterations) {
@@ -92,10 +92,9 @@ class AdmmProjection final : public Projection {
       turned_ = rows_.t;
       turned_.noalias() += rows_.C.transpose() * f_;
       qp_.start(turned_);
-      if (qp_.solve(rows_.C, turned_, kFeasible * magnitude, kInfinity) !=
-          NodeQp::Status::kSolved) {
-        break;
-      }
+      const NodeQp::Status qp = qp_.solve(rows_.C, turned_, kFeasible * magnitude, kInfinity);
+      if (qp == NodeQp::Status::kInfeasible) without = ProjectionStatus::kEmpty;
+      if (qp != NodeQp::Status::kSolved) break;
       f_ += qp_.f();
       a_ = f_ + omega_;
       nearest_on_quadric(q_0_, g_, curvature_, a_, h_);
@@ -107,12 +106,12 @@ class AdmmProjection final : public Projection {
       omega_ = (omega_ + f_ - h_) / settings_.rho_scale;
       rho *= settings_.rho_scale;
     }
-    if (best_violation_ == kInfinity) return {ProjectionStatus::kNone, turns, 0.0};
+    if (best_violation_ == kInfinity) return {without, turns, 0.0};
     difference_.noalias() = T_ * best_;
     delta += difference_;
     if (!delta.allFinite()) {
       delta = v;
-      return {ProjectionStatus::kNone, turns, 0.0};
+      return {ProjectionStatus::kInaccurate, turns, 0.0};
     }
     a_.noalias() = U_ * difference_;
     return {status, turns, difference_.dot(a_)};

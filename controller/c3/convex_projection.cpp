@@ -63,14 +63,17 @@ class ConvexProjection final : public Projection {
                            const Deadline&) noexcept override {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
-    if (!is_convex_) return {ProjectionStatus::kNone, 0, 0.0};
+    if (!is_convex_) return {ProjectionStatus::kNotConvex, 0, 0.0};
     sizes_.lambda(delta) *= alpha_;
     rows_.evaluate(delta);
     const double tolerance = kFeasible * rows_.largest;
     qp_.start(rows_.t);
-    if (qp_.solve(rows_.C, rows_.t, tolerance, kInfinity) != NodeQp::Status::kSolved) {
+    const NodeQp::Status status = qp_.solve(rows_.C, rows_.t, tolerance, kInfinity);
+    if (status != NodeQp::Status::kSolved) {
       delta = v;
-      return {ProjectionStatus::kNone, 1, 0.0};
+      return {status == NodeQp::Status::kInfeasible ? ProjectionStatus::kEmpty
+                                                    : ProjectionStatus::kNotFound,
+              1, 0.0};
     }
     qp_.refine(rows_.C, rows_.t);
     const int n_x = sizes_.n_x;
@@ -87,7 +90,7 @@ class ConvexProjection final : public Projection {
     }
     if (!delta.allFinite()) {
       delta = v;
-      return {ProjectionStatus::kNone, 1, 0.0};
+      return {ProjectionStatus::kInaccurate, 1, 0.0};
     }
     difference_ = delta - v;
     if (U_.size() == 0) return {ProjectionStatus::kSolved, 1, difference_.squaredNorm()};

@@ -31,11 +31,13 @@ class LcpProjection final : public Projection {
     const lcs::LcpReport lcp = lemke_.solve_regularised(lcs_->F, q, sizes_.lambda(delta));
     if (lcp.status != lcs::LcpStatus::kSolved) {
       delta = v;
-      return {ProjectionStatus::kNone, lcp.pivots, 0.0};
+      return {lcp.status == lcs::LcpStatus::kInaccurate ? ProjectionStatus::kInaccurate
+                                                        : ProjectionStatus::kNotFound,
+              lcp.pivots, 0.0};
     }
     if (!is_in_set(q, sizes_.lambda(delta), v)) {
       delta = v;
-      return {ProjectionStatus::kNone, lcp.pivots, 0.0};
+      return {ProjectionStatus::kNotFound, lcp.pivots, 0.0};
     }
     difference_ = delta - v;
     if (U_.size() == 0) return {ProjectionStatus::kSolved, lcp.pivots, difference_.squaredNorm()};

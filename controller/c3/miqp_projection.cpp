@@ -70,14 +70,17 @@ class MiqpProjection final : public Projection {
 
     nodes_[0].start(rows_.t);
     explore(0);
-    if (best_objective_ == kInfinity) return {ProjectionStatus::kNone, n_nodes_, 0.0};
+    const bool whole = stopped_by_ == ProjectionStatus::kSolved && !stuck_;
+    if (best_objective_ == kInfinity) {
+      return {whole ? ProjectionStatus::kEmpty : ProjectionStatus::kNotFound, n_nodes_, 0.0};
+    }
     if (stuck_ && stopped_by_ == ProjectionStatus::kSolved) {
       stopped_by_ = ProjectionStatus::kNodeLimit;
     }
     const double objective = finish(delta);
     if (!rows_.holds(v, delta)) {  // weights or units too far apart for the digits of δ
       delta = v;
-      return {ProjectionStatus::kNone, n_nodes_, 0.0};
+      return {ProjectionStatus::kInaccurate, n_nodes_, 0.0};
     }
     return {stopped_by_, n_nodes_, objective};
   }

@@ -14,9 +14,18 @@ enum class ProjectionStatus {
   kNodeLimit,  // a point of the set, but the search ended (nodes, or pivots of one node's QP)
                // before it was proved to be the nearest
   kDeadline,   // the same, ended by the deadline
-  kNone,       // no point of the set was found: there is none, or the search ended too early
-  kNotFinite,  // NaN or infinity came in
+  // without a point:
+  kEmpty,       // there is none: the set is empty, or the inequalities have no common point
+  kNotFound,    // none was found before the search ended: max_nodes, the deadline, pivots, a ray
+  kNotConvex,   // F + ε I of (24) is not positive semidefinite
+  kInaccurate,  // one was found, but of its digits none are left
+  kNotFinite,   // NaN or infinity came in
 };
+
+constexpr bool has_point(ProjectionStatus status) noexcept {
+  return status == ProjectionStatus::kSolved || status == ProjectionStatus::kNodeLimit ||
+         status == ProjectionStatus::kDeadline;
+}
 
 struct ProjectionReport {
   ProjectionStatus status;
@@ -38,20 +47,20 @@ class Projection {
   /// RT: no heap, no lock, no throw.
   virtual void start(const lcs::Lcs& lcs) noexcept = 0;
 
-  /// Depends on v alone, not on earlier calls. Unless there is a point (kSolved, kNodeLimit,
-  /// kDeadline) delta is v. RT: no heap, no lock, no throw.
+  /// Depends on v alone, not on earlier calls. Unless `has_point` delta is v. RT: no heap, no lock,
+  /// no throw.
   [[nodiscard]] virtual ProjectionReport project(const Eigen::Ref<const Eigen::VectorXd>& v,
                                                  Eigen::Ref<Eigen::VectorXd> delta,
                                                  const Deadline& deadline) noexcept = 0;
 };
 
 /// The exact minimiser of (δ−v)ᵀ U (δ−v) [C3, eq. (23) with M → ∞], by branch and bound over the
-/// complementary pairs. Directions of zero weight in U get 1e-8 of the largest weight. kNone also
+/// complementary pairs. Directions of zero weight in U get 1e-8 of the largest weight. kInaccurate
 /// where weights or units lie so far apart that no digits of a point of the set are left.
 std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nodes);
 
 /// δ_x = v_x, δ_u = v_u, δ_λ = LCP(E v_x + H v_u + c, F) by Lemke's method, regularised where the
-/// plain one fails; kNone where that answer is not one of the given LCP: a gap beside a force, or
+/// plain one fails; kNotFound where that answer is not one of the given LCP: a gap beside a force, or
 /// below zero, by more than 1e-9 of its terms and 1e-12 of what the largest force would give.
 std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes);
 
@@ -63,7 +72,7 @@ struct AdmmProjectionSettings {
 
 /// The QCQP of [C3, V.B.3c] by a nested ADMM of a QP over the inequalities and a one-constraint QCQP
 /// for λᵀ y = 0, solved by bisection; both distances in the norm of U, of all copies the one nearest to
-/// the set. That need not lie in it. kNone where the inequalities have no common point.
+/// the set. That need not lie in it. kEmpty where the inequalities have no common point.
 std::unique_ptr<Projection> make_admm_projection(const Sizes& sizes,
                                                  const AdmmProjectionSettings& settings);
 
@@ -73,8 +82,8 @@ std::unique_ptr<Projection> make_admm_projection(const Sizes& sizes,
 ///   subject to E δ_x + F δ_λ + H δ_u + c ≥ 0, δ_λ ≥ 0
 ///
 /// Its complementarity violation is linear in α [C3, Lemma 3]. Of F in S only the symmetric part
-/// counts, which has to be positive semidefinite: otherwise kNone. Where S is singular, 1e-8 of its
-/// diagonal is added to it. kNone also where the constraints have no common point.
+/// counts, which has to be positive semidefinite: otherwise kNotConvex. Where S is singular, 1e-8 of
+/// its diagonal is added to it. kEmpty where the constraints have no common point.
 std::unique_ptr<Projection> make_convex_projection(const Sizes& sizes);
 
 /// C3+ [C3+, III]: v = [z; η] + w has the gap variables; pair by pair the nearest point of

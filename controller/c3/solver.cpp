@@ -315,11 +315,15 @@ bool Solver::project(Horizon lcs, const Deadline& deadline) noexcept {
     for (int k = 0; k < sizes_.N; ++k) project_stage(&round, k, 0);
   }
   bool late = false, failed = false, inexact = false;
-  for (const ProjectionReport& report : reports_) {
+  for (int k = 0; k < sizes_.N; ++k) {
+    const ProjectionReport& report = reports_[k];
     solution_.branch_nodes += report.nodes;
     late |= report.status == ProjectionStatus::kDeadline;
-    failed |= report.status == ProjectionStatus::kNone ||
-              report.status == ProjectionStatus::kNotFinite;
+    if (!failed && !has_point(report.status)) {
+      failed = true;
+      solution_.projection = report;
+      solution_.failed_stage = k;
+    }
     if (report.status == ProjectionStatus::kNodeLimit) {
       ++solution_.inexact_projections;
       inexact = true;
@@ -384,6 +388,8 @@ void Solver::reset() noexcept {
   solution_.iterations = solution_.projections = solution_.inexact_projections = 0;
   solution_.branch_nodes = 0;
   solution_.qp = {};
+  solution_.projection = {};
+  solution_.failed_stage = 0;
 }
 
 const Solution& Solver::fail(Failure failure) noexcept {

@@ -52,7 +52,7 @@ enum class Failure {
   kNotFinite,   // NaN or infinity in these, or in what came of them
   kLambda0,     // fix_lambda_0: H is not zero, or the LCP at x_0 has no solution
   kQp,          // see Solution::qp
-  kProjection,  // no point of the LCP's set was found
+  kProjection,  // one has no point: see Solution::projection
 };
 
 /// What one turn of Algorithm 1 left behind. The copies have n_z rows, with C3+ n_z + n_lambda: the
@@ -84,6 +84,8 @@ struct Solution {
   int inexact_projections = 0;       // ended by max_nodes
   long branch_nodes = 0;             // QPs of all branch and bounds (pivots with kLcp)
   QpReport qp{};                     // of the last QP
+  ProjectionReport projection{};     // of the first stage whose projection failed (kProjection)
+  int failed_stage = 0;              // that stage
   std::vector<Iterate> trace;        // (s) the first `iterations` count; empty unless asked for
   Sizes sizes{};
 

@@ -23,7 +23,11 @@ class BigMProjection final : public c3::Projection {
     delta = v;
     if (!v.allFinite()) return {c3::ProjectionStatus::kNotFinite, 0, 0.0};
     const Result result = solve(problem(v), settings_);
-    if (result.x.size() == 0) return {c3::ProjectionStatus::kNone, result.nodes, 0.0};
+    if (result.x.size() == 0) {
+      return {result.status == Status::kInfeasible ? c3::ProjectionStatus::kEmpty
+                                                   : c3::ProjectionStatus::kNotFound,
+              result.nodes, 0.0};
+    }
     delta = result.x.head(v.size());
     const auto status = result.status == Status::kOptimal ? c3::ProjectionStatus::kSolved
                                                           : c3::ProjectionStatus::kNodeLimit;

@@ -34,18 +34,28 @@ class Place {
  public:
   /// @param more options behind the problem's path
   Outcome solve(const Json& problem, const std::string& more = "") const {
-    std::ofstream(path("problem.json")) << problem.dump();
+    write(problem);
     return solve_file(path("problem.json"), more);
   }
+  void write(const Json& problem) const { std::ofstream(path("problem.json")) << problem.dump(); }
   Outcome solve_file(const fs::path& file, const std::string& more = "") const {
-    const std::string command = "'" C3RT_BINARY_DIRECTORY "/bin/c3rt' solve '" + file.string() +
-                                "' " + more + " >'" + path("stdout").string() + "' 2>'" +
-                                path("stderr").string() + "'";
-    const int status = std::system(command.c_str());
+    return run(command(file) + " " + more);
+  }
+  static std::string command(const fs::path& file) {
+    return "'" C3RT_BINARY_DIRECTORY "/bin/c3rt' solve '" + file.string() + "'";
+  }
+  /// What the command redirects itself is not seen here.
+  Outcome run(const std::string& command) const {
+    const int status = std::system(("exec >'" + path("stdout").string() + "' 2>'" +
+                                    path("stderr").string() + "'; " + command)
+                                       .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")),
             read(path("stderr"))};
   }
   fs::path path(const std::string& name) const { return folder_.path() / name; }
+  auto count() const {
+    return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator());
+  }
 
  private:
   Folder folder_;
@@ -142,6 +152,122 @@ TEST_CASE("solve: a problem without an answer exits with 1 and says why") {
   const Outcome outcome = Place().solve(json);
   CHECK(outcome.status == 1);
   CHECK(Json::parse(outcome.output)["status"] == "fail: the bounds cannot be met");
+}
+
+TEST_CASE("solve: an answer whose projections ended at max_nodes is truncated and says so") {
+  Json json = problem();
+  json["lcs"] = Json::parse(R"({"A": [[1.1]], "B": [[0.5]], "D": [[-0.8, 0.8, -0.2, 0.6]], "d": [0],
+    "E": [[0.8], [-0.6], [-0.2], [-0.8]], "H": [[-0.8], [1.0], [0.0], [0.4]], "c": [0.6, -0.8, 0.0, 0.2],
+    "F": [[1.62, 0.04, -0.64, 0.32], [0.04, 1.1, 0.48, 0.2], [-0.64, 0.48, 1.46, 0.32],
+          [0.32, 0.2, 0.32, 1.62]]})");
+  const Json one = Json::parse(R"([[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0],
+                                   [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]])");
+  json["params"].update({{"G", one}, {"U", one}});
+  int truncated = 0;
+  for (const int max_nodes : {1, 3, 4, 6, 100}) {
+    json["params"]["max_nodes"] = max_nodes;
+    const Outcome outcome = Place().solve(json);
+    const std::string status = Json::parse(outcome.output)["status"];
+    const std::string limit = "max_nodes = " + std::to_string(max_nodes);
+    CAPTURE(max_nodes, status, outcome.error);
+    CHECK((status == "ok") == (max_nodes == 100));
+    CHECK(outcome.status == (status == "truncated" || status == "ok" ? 0 : 1));
+    if (status != "ok") CHECK_THAT(outcome.error, Contains(limit));
+    truncated += status == "truncated";
+  }
+  CHECK(truncated > 0);
+}
+
+TEST_CASE("solve: a convex projection that cannot be says why") {
+  Json json = problem();
+  json["projection"] = "CONVEX";
+  json["lcs"]["F"] = {{-1}};
+  json["params"].update({{"Qx", {{9}}}, {"Qu", {{1}}}, {"alpha", 0.1}});
+  const Outcome outcome = Place().solve(json);
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.error, Contains("F + eps I positive semidefinite") &&
+                                Contains("smallest eigenvalue is -1"));
+}
+
+TEST_CASE("solve: a result that does not get to standard output is not exit status 0") {
+  const Place place;
+  place.write(problem());
+  const std::string command = place.command(place.path("problem.json"));
+  const Outcome full = place.run(command + " >/dev/full");
+  CHECK(full.status == 3);
+  CHECK_THAT(full.error, Contains("cannot write the result to standard output: No space left"));
+  const Outcome closed = place.run(command + " >&-");
+  CHECK(closed.status == 3);
+  CHECK_THAT(closed.error, Contains("cannot write the result to standard output: Bad file"));
+  // and neither does the problem, which would be the first file to be opened
+  CHECK(Json::parse(read(place.path("problem.json"))) == problem());
+  CHECK(place.run("'" C3RT_BINARY_DIRECTORY "/bin/c3rt' --help >/dev/full").status == 3);
+  // an answer without its line for a person is one
+  CHECK(place.run(command + " 2>&- >'" + place.path("out").string() + "'").status == 0);
+  CHECK(Json::parse(read(place.path("out")))["status"] == "ok");
+}
+
+TEST_CASE("solve: --out cannot be the problem, under no name") {
+  const Place place;
+  place.write(problem());
+  const fs::path file = place.path("problem.json");
+  fs::create_symlink(file, place.path("link.json"));
+  fs::create_hard_link(file, place.path("hard.json"));
+  fs::create_directory(place.path("folder"));
+  for (const fs::path& out :
+       {file, place.path("link.json"), place.path("hard.json"),
+        place.path("folder") / ".." / "problem.json"}) {
+    const Outcome outcome = place.solve_file(file, "--out '" + out.string() + "'");
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.error, Contains("--out: expected another file than the problem's"));
+    CHECK(place.solve_file(out, "--out '" + file.string() + "'").status == 2);
+    CHECK(Json::parse(read(file)) == problem());
+  }
+}
+
+TEST_CASE("solve: --out is refused before the work where it cannot be written") {
+  const Place place;
+  const Outcome folder = place.solve(problem(), "--out '" + place.path("").string() + "'");
+  CHECK(folder.status == 2);
+  CHECK_THAT(folder.error, Contains("--out: expected a file that can be written, not a folder"));
+  const Outcome nowhere = place.solve(problem(), "--out /nowhere/result.json");
+  CHECK(nowhere.status == 2);
+  CHECK_THAT(nowhere.error, Contains("--out: expected a file in a folder that exists"));
+}
+
+TEST_CASE("solve: a result file is written whole or not at all") {
+  const Place place;
+  place.write(problem());
+  const fs::path file = place.path("problem.json"), out = place.path("result.json");
+  // no more than 64 blocks of 512 or 1024 bytes, which the trace exceeds
+  Json traced = problem();
+  traced["trace"] = true;
+  traced["params"].update({{"s", 200}, {"rho_s", 1.01}});
+  std::ofstream(file) << traced.dump();
+  std::ofstream(out) << "earlier";
+  const Outcome full =
+      place.run("(ulimit -f 64; trap '' XFSZ; exec " + place.command(file) + " --out '" +
+                                 out.string() + "')");
+  CHECK(full.status == 3);
+  CHECK_THAT(full.error, Contains("cannot write " + out.string() + ": File too large"));
+  CHECK(read(out) == "earlier");
+  CHECK(place.count() == 4);  // the problem, that result, the two streams
+  // a device takes it as it is
+  const Outcome device = place.solve_file(file, "--out /dev/full");
+  CHECK(device.status == 3);
+  CHECK_THAT(device.error, Contains("cannot write /dev/full: No space left"));
+  // a link stays one
+  fs::create_symlink("result.json", place.path("link.json"));
+  CHECK(place.solve_file(file, "--out '" + place.path("link.json").string() + "'").status == 0);
+  CHECK(fs::is_symlink(place.path("link.json")));
+  CHECK(Json::parse(read(out))["status"] == "ok");
+}
+
+TEST_CASE("solve: a folder in the place of the problem is named, with exit status 2") {
+  const Place place;
+  const Outcome outcome = place.solve_file(place.path(""));
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.error, Contains("expected a problem file, got a folder"));
 }
 
 TEST_CASE("solve: what is wrong with a file is named by its key, with exit status 2") {

@@ -327,7 +327,17 @@ TEST_CASE("problem file: what is no JSON, has a key twice or holds NaN is refuse
 
 TEST_CASE("problem file: a file that cannot be read is named") {
   CHECK_THROWS_WITH(config::load_problem("/nowhere/p.json"),
-                    Equals("/nowhere/p.json: expected a file that can be read"));
+                    Equals("/nowhere/p.json: expected a file that can be read, got No such file or "
+                           "directory"));
+}
+
+TEST_CASE("problem file: a folder, an empty file and one without an end are named") {
+  CHECK_THROWS_WITH(config::load_problem("/tmp"),
+                    Equals("/tmp: expected a problem file, got a folder"));
+  CHECK_THROWS_WITH(config::load_problem("/dev/null"),
+                    Equals("/dev/null: expected a problem, got an empty file"));
+  CHECK_THROWS_WITH(config::load_problem("/dev/zero"),
+                    Equals("/dev/zero: expected at most 268435456 bytes, got more"));
 }
 
 TEST_CASE("problem file: a trace beyond all memory is refused") {
@@ -390,10 +400,48 @@ TEST_CASE("problem file: of a failed solve the result has the last QP and the tu
   const c3::Solution& solution = solver.solve(p.lcs.front(), p.x0, p.x_desired);
   const Json result =
       Json::parse(config::to_json(p, config::to_result(p, solution, 0.0), solution.trace));
-  CHECK(result["status"] == "fail: the projection found no point of the LCP's set");
+  CHECK(result["status"] == "fail: stage 0: the set that the projection is onto is empty");
   CHECK(result["iterations"] == 1);
   CHECK(result["iters"].empty());
   CHECK(result["u0"][0].get<double>() != 0.0);
+}
+
+TEST_CASE("problem file: each way in which a projection has no point has its own words and stage") {
+  const auto status = [](const Json& json) {
+    const ProblemFile p = read(json);
+    c3::Solver solver(p.sizes, p.settings);
+    return config::to_result(p, solve(p, solver), 0.0).status;
+  };
+  // the third stage's F alone is not positive semidefinite
+  Json convex = convex_problem();
+  convex["lcs"] = Json::array({convex["lcs"], convex["lcs"], convex["lcs"]});
+  CHECK(status(convex) == "ok");
+  convex["lcs"][2]["F"] = {{-1}};
+  CHECK(status(convex) ==
+        "fail: stage 2: the convex projection needs F + eps I positive semidefinite, its smallest "
+        "eigenvalue is -0.99");
+  convex["params"]["eps"] = 1.5;
+  CHECK(status(convex) == "ok");
+
+  Json empty = problem();
+  empty["lcs"].update({{"E", {{0}}}, {"F", {{0}}}});  // y = −0.2
+  for (const auto& [projection, words] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"MIQP", "the set that the projection is onto is empty"},
+           {"ADMM", "the set that the projection is onto is empty: no x, u and lambda >= 0 have"},
+           {"LCP", "Lemke's method finds no solution of the LCP"}}) {
+    empty["projection"] = projection;
+    CHECK_THAT(status(empty), Contains("fail: stage 0: " + words));
+  }
+
+  // max_nodes: the first QP of the search is not in the set, and there is no second
+  Json short_search = problem();
+  short_search["params"]["max_nodes"] = 1;
+  short_search["x0"] = {-5};
+  CHECK(status(short_search) ==
+        "fail: stage 0: the projection's search ended at max_nodes = 1 before it found a point");
+  short_search["params"].erase("max_nodes");
+  CHECK(status(short_search) == "ok");
 }
 
 TEST_CASE("problem file: golden cases written as problem files give the golden u_0") {

@@ -116,6 +116,6 @@ TEST_CASE("ADMM projection: inequalities without a common point are no point") {
   p.lcs.c = VectorXd::Constant(1, -1.0);
   p.costs.U = MatrixXd::Identity(3, 3);
   VectorXd delta;
-  REQUIRE(project(*make_admm_projection(p.sizes, {}), p, delta).status == ProjectionStatus::kNone);
+  REQUIRE(project(*make_admm_projection(p.sizes, {}), p, delta).status == ProjectionStatus::kEmpty);
   REQUIRE(delta == p.v);
 }

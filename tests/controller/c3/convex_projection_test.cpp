@@ -211,12 +211,13 @@ TEST_CASE(
   for (const double entry : {-1.0, -1e-3}) {
     MatrixXd F = MatrixXd::Identity(3, 3);
     F(1, 1) = entry;
-    CHECK(project(random_lcs(random, s, F), s, costs, v, delta).status == ProjectionStatus::kNone);
+    CHECK(project(random_lcs(random, s, F), s, costs, v, delta).status ==
+          ProjectionStatus::kNotConvex);
     CHECK(delta == v);
   }
   const MatrixXd indefinite = (MatrixXd(3, 3) << 1, 2, 0, 2, 1, 0, 0, 0, 1).finished();
   CHECK(project(random_lcs(random, s, indefinite), s, costs, v, delta).status ==
-        ProjectionStatus::kNone);
+        ProjectionStatus::kNotConvex);
   for (const MatrixXd& F : {MatrixXd(MatrixXd::Zero(3, 3)), MatrixXd(MatrixXd::Ones(3, 3))}) {
     const lcs::Lcs lcs = random_lcs(random, s, F);
     CHECK(project(lcs, s, costs, v, delta).status == ProjectionStatus::kSolved);
@@ -235,7 +236,7 @@ TEST_CASE("convex projection: constraints without a common point are no point") 
   costs.convex = {MatrixXd::Identity(1, 1), MatrixXd::Identity(1, 1), 0.5, 1e-3};
   const VectorXd v = VectorXd::Ones(3);
   VectorXd delta;
-  REQUIRE(project(lcs, s, costs, v, delta).status == ProjectionStatus::kNone);
+  REQUIRE(project(lcs, s, costs, v, delta).status == ProjectionStatus::kEmpty);
   REQUIRE(delta == v);
 }
 

@@ -101,7 +101,7 @@ void compare(const lcs::Lcs& lcs, const Sizes& sizes, const MatrixXd& U, const V
   const double expected = enumerate(lcs, sizes, U, v);
   CAPTURE(report.nodes, sizes.n_x, sizes.n_lambda, sizes.n_u);
   if (expected == kInfinity) {
-    CHECK(report.status == ProjectionStatus::kNone);
+    CHECK(report.status == ProjectionStatus::kEmpty);
     CHECK(delta == v);
     return;
   }
@@ -288,7 +288,8 @@ TEST_CASE("MIQP projection: a bound on nodes is reported and leaves a point of t
       projection->start(lcs);
       const ProjectionReport report = projection->project(v, delta, {});
       CHECK(report.nodes <= max_nodes);
-      if (report.status == ProjectionStatus::kNone) {
+      if (!has_point(report.status)) {
+        CHECK(report.status == ProjectionStatus::kNotFound);
         ++without_point;
         CHECK(delta == v);
         continue;

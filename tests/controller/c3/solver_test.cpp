@@ -211,6 +211,8 @@ TEST_CASE("solver: a projection that hits its bound of nodes flags the whole ans
       const Solution& solution = c3.solve(lcs, x0, x_desired);
       if (solution.status == SolveStatus::kFailed) {
         check_failed(solution, Failure::kProjection);
+        CHECK(solution.projection.status == ProjectionStatus::kNotFound);
+        CHECK(solution.projection.nodes == max_nodes);
         CHECK(max_nodes < 10000);
         ++without_point;
       } else {
@@ -270,7 +272,10 @@ TEST_CASE("solver: an LCP's set that is empty is a failure of the projection") {
   p.lcs.H.row(0).setZero();
   p.lcs.c[0] = -1.0;
   Solver c3 = solver(settings());
-  check_failed(c3.solve(p.lcs, p.x0, p.x_desired), Failure::kProjection);
+  const Solution& solution = c3.solve(p.lcs, p.x0, p.x_desired);
+  check_failed(solution, Failure::kProjection);
+  CHECK(solution.projection.status == ProjectionStatus::kEmpty);
+  CHECK(solution.failed_stage == 0);
 }
 
 TEST_CASE("solver: costs that cannot be used are refused and leave no half-set solver behind") {
