@@ -41,15 +41,18 @@ struct Watch {
   }
 };
 
-/// A column is one number: the whole answer in a few lines.
-void print_summary(const config::ProblemResult& result) {
-  std::string u_0;
-  for (Eigen::Index i = 0; i < result.u.rows(); ++i) u_0 += fmt::format(" {:.6g}", result.u(i, 0));
-  const std::string line = fmt::format(
-      "c3rt: {}{}{}: u_0 ={}, objective {:.6g}, complementarity violation {:.2g}, {} iterations, "
-      "{:.3g} ms\n",
-      result.status, result.note.empty() ? "" : ": ", result.note, u_0, result.objective, result.complementarity_violation, result.iterations,
-      1e3 * result.solve_time_s);
+/// One line for a person. Where there is no answer it has no number that could be taken for one.
+void print_summary(const config::ProblemResult& result, bool found) {
+  std::string line =
+      fmt::format("c3rt: {}{}{}", result.status, result.note.empty() ? "" : ": ", result.note);
+  if (found) {
+    std::string u_0 = result.u.rows() == 0 ? " none" : "";
+    for (Eigen::Index i = 0; i < result.u.rows(); ++i)
+      u_0 += fmt::format(" {:.6g}", result.u(i, 0));
+    line += fmt::format(": u_0 ={}, objective {:.6g}, complementarity violation {:.2g}", u_0,
+                        result.objective, result.complementarity_violation);
+  }
+  line += fmt::format(", {} iterations, {:.3g} ms\n", result.iterations, 1e3 * result.solve_time_s);
   std::fputs(line.c_str(), stderr);
 }
 
@@ -159,7 +162,7 @@ int solve(const std::string& path, const std::string& out) {
                             ? solve_monolithic(problem, deadline)
                             : solve_c3(problem, deadline);
   write(answer.json, out);
-  print_summary(answer.result);
+  print_summary(answer.result, answer.found);
   return answer.found ? kDone : kCriterionFailed;
 }
 

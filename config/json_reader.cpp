@@ -1,5 +1,6 @@
 #include "config/json_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -152,7 +153,9 @@ MatrixXd JsonReader::matrix(const char* key, Eigen::Index rows, Eigen::Index col
 
 MatrixXd JsonReader::matrix(const std::string& key, const Json& value, Eigen::Index rows,
                             Eigen::Index cols) const {
+  if (rows == kAnyRows) rows = static_cast<Eigen::Index>(value.size());
   require_list(key, value, "a matrix " + shape(rows, cols) + ", a list of its rows");
+  if (value.empty() && (rows == 0 || cols == 0)) return MatrixXd(rows, cols);
   Eigen::Index widest = value.empty() ? 0 : -1;
   bool ragged = false;
   for (const Json& row : value) {
@@ -163,12 +166,8 @@ MatrixXd JsonReader::matrix(const std::string& key, const Json& value, Eigen::In
   }
   if (ragged) throw ConfigError(place(key) + ": expected rows of one length, got several");
   if (static_cast<Eigen::Index>(value.size()) != rows || widest != cols) {
-    // a matrix without rows cannot say how wide it is
-    const bool both_empty = value.empty() && rows == 0;
-    if (!both_empty) {
-      throw ConfigError(place(key) + ": expected " + shape(rows, cols) + ", got " +
-                        shape(static_cast<Eigen::Index>(value.size()), widest));
-    }
+    throw ConfigError(place(key) + ": expected " + shape(rows, cols) + ", got " +
+                      shape(static_cast<Eigen::Index>(value.size()), widest));
   }
   MatrixXd out(rows, cols);
   for (Eigen::Index i = 0; i < rows; ++i) {
@@ -183,9 +182,14 @@ MatrixXd JsonReader::matrix(const std::string& key, const Json& value, Eigen::In
 c3::PerStage<MatrixXd> JsonReader::matrices(const char* key, Eigen::Index rows, Eigen::Index cols,
                                             int N) {
   const Json& value = at(key);
-  const bool each = value.is_array() && !value.empty() && value[0].is_array() &&
-                    !value[0].empty() && value[0][0].is_array();
-  if (!each) return matrix(key, rows, cols);
+  const auto is_matrix = [](const Json& one) {
+    return one.is_array() && !one.empty() && one[0].is_array();
+  };
+  const auto is_empty = [](const Json& one) { return one.is_array() && one.empty(); };
+  const bool some = value.is_array() && std::any_of(value.begin(), value.end(), is_matrix);
+  const bool none = value.is_array() && !value.empty() && rows <= 0 &&
+                    std::all_of(value.begin(), value.end(), is_empty);
+  if (!some && !none) return matrix(key, rows, cols);
   if (static_cast<int>(value.size()) != N) {
     throw ConfigError(place(key) + ": expected one matrix or N = " + std::to_string(N) + ", got " +
                       std::to_string(value.size()));
@@ -215,13 +219,17 @@ VectorXd JsonReader::bound(const std::string& key, const Json& value, Eigen::Ind
   return out;
 }
 
-c3::PerStage<VectorXd> JsonReader::bounds(const char* key, Eigen::Index size, double none, int N,
-                                          bool of_state, VectorXd* last) {
+c3::PerStage<VectorXd> JsonReader::bounds(const char* key, const std::vector<Eigen::Index>& sizes,
+                                          double none, bool of_state, VectorXd* last) {
   if (!has(key) || at(key).is_null()) return {};
   const Json& value = at(key);
-  require_list(key, value, "a list of " + std::to_string(size) + " numbers or null");
-  const bool each = !value.empty() && value[0].is_array();
-  if (!each) return bound(key, value, size, none);
+  const int N = static_cast<int>(sizes.size());
+  const bool alike = std::equal(sizes.begin() + 1, sizes.end(), sizes.begin());
+  require_list(key, value,
+               alike ? "a list of " + std::to_string(sizes[0]) + " numbers or null"
+                     : "N = " + std::to_string(N) + " lists of numbers or null");
+  const bool each = !alike || (!value.empty() && value[0].is_array());
+  if (!each) return bound(key, value, sizes[0], none);
   const int count = static_cast<int>(value.size());
   const bool fits = count == N || (of_state && (count == N - 1 || count == N + 1));
   if (!fits) {
@@ -230,9 +238,10 @@ c3::PerStage<VectorXd> JsonReader::bounds(const char* key, Eigen::Index size, do
                       std::to_string(count));
   }
   std::vector<VectorXd> all;
-  if (count == N - 1) all.push_back(VectorXd::Constant(size, none));
+  if (count == N - 1) all.push_back(VectorXd::Constant(sizes[0], none));
   for (int k = 0; k < count; ++k) {
-    all.push_back(bound(std::string(key) + "[" + std::to_string(k) + "]", value[k], size, none));
+    all.push_back(bound(std::string(key) + "[" + std::to_string(k) + "]", value[k],
+                        sizes[k < N ? static_cast<std::size_t>(k) : 0], none));
   }
   if (count == N + 1) {
     *last = all.back();

@@ -35,6 +35,9 @@ class JsonReader {
   Eigen::VectorXd vector(const char* key, Eigen::Index size);
   Eigen::VectorXd vector(const std::string& key, const nlohmann::json& value,
                          Eigen::Index size) const;
+  /// A list of rows. Without rows or columns it is [], or as many empty rows as it has. With kAnyRows
+  /// as many as there are.
+  static constexpr Eigen::Index kAnyRows = -1;
   Eigen::MatrixXd matrix(const char* key, Eigen::Index rows, Eigen::Index cols);
   Eigen::MatrixXd matrix(const std::string& key, const nlohmann::json& value, Eigen::Index rows,
                          Eigen::Index cols) const;
@@ -44,10 +47,12 @@ class JsonReader {
   /// A list of numbers where null is no bound; empty if the key is missing or null.
   Eigen::VectorXd bound(const std::string& key, const nlohmann::json& value, Eigen::Index size,
                         double none) const;
-  /// Bounds of a stage, or of each: lists of them for k = 0 … N−1. With `of_state` also for
-  /// k = 1 … N−1 (N−1 lists), or with the last state's (N+1 lists, the last into `last`).
-  c3::PerStage<Eigen::VectorXd> bounds(const char* key, Eigen::Index size, double none, int N,
-                                       bool of_state, Eigen::VectorXd* last);
+  /// Bounds of a stage, or of each: lists of them for k = 0 … N−1, of sizes[k] numbers. With
+  /// `of_state` also for k = 1 … N−1 (N−1 lists), or with the last state's (N+1 lists, the last into
+  /// `last`).
+  c3::PerStage<Eigen::VectorXd> bounds(const char* key, const std::vector<Eigen::Index>& sizes,
+                                       double none, bool of_state = false,
+                                       Eigen::VectorXd* last = nullptr);
   /// One number for all, or a list.
   Eigen::VectorXd numbers(const char* key, Eigen::Index size);
   /// Refuses the keys that nobody asked for.

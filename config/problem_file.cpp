@@ -36,11 +36,21 @@ Eigen::Index cols_of(const Json& json, const char* key) {
              : 0;
 }
 
-/// A, F and B say the sizes, the other blocks have to agree.
+/// A, F and B say the sizes, the other blocks have to agree. Where F or B is empty, the other blocks
+/// of its size say whether there are really no contacts or no inputs.
 lcs::Lcs read_lcs(const Json& json, const std::string& name, const std::string& path) {
   JsonReader reader(json, name, path);
-  const Eigen::Index n_x = rows_of(json, "A"), n_lambda = rows_of(json, "F"),
-                     n_u = cols_of(json, "B");
+  const auto first_of = [](std::initializer_list<Eigen::Index> claims) {
+    const auto* claim = std::find_if(claims.begin(), claims.end(), [](auto n) { return n > 0; });
+    return claim == claims.end() ? 0 : *claim;
+  };
+  const Eigen::Index n_x = rows_of(json, "A");
+  if (reader.at("A").empty()) {
+    throw ConfigError(reader.place("A") + ": expected a matrix, got an empty one");
+  }
+  const Eigen::Index n_lambda = first_of(
+      {rows_of(json, "F"), rows_of(json, "E"), rows_of(json, "c"), cols_of(json, "D")});
+  const Eigen::Index n_u = first_of({cols_of(json, "B"), cols_of(json, "H")});
   lcs::Lcs lcs;
   lcs.A = reader.matrix("A", n_x, n_x);
   lcs.B = reader.matrix("B", n_x, n_u);
@@ -51,10 +61,6 @@ lcs::Lcs read_lcs(const Json& json, const std::string& name, const std::string& 
   lcs.H = reader.matrix("H", n_lambda, n_u);
   lcs.c = reader.vector("c", n_lambda);
   reader.finish();
-  for (const auto& [block, size] :
-       {std::pair{"A", n_x}, std::pair{"F", n_lambda}, std::pair{"B", n_u}}) {
-    if (size == 0) throw ConfigError(reader.place(block) + ": expected a matrix, got an empty one");
-  }
   return lcs;
 }
 
@@ -92,6 +98,10 @@ std::string in_file_terms(std::string message) {
       {"Constraints.x_max", "params.xmax"},
       {"Constraints.u_min", "params.umin"},
       {"Constraints.u_max", "params.umax"},
+      {"Constraints.lambda_min", "params.lambdamin"},
+      {"Constraints.lambda_max", "params.lambdamax"},
+      {"Constraints.C_min", "params.Cmin"},
+      {"Constraints.C_max", "params.Cmax"},
       {"Settings.admm_iterations", "params.s"},
       {"Settings.rho_scale", "params.rho_s"},
       {"Settings.rho", "params.rho"},
@@ -132,6 +142,26 @@ void read_costs(JsonReader& params, ProblemFile& p) {
         std::pair{"u_lambda", &p.costs.plus.u_lambda}, std::pair{"u_eta", &p.costs.plus.u_eta}}) {
     if (params.has(key) || plus) *weight = params.numbers(key, n_lambda);
   }
+}
+
+void read_constraints(JsonReader& params, ProblemFile& p) {
+  const auto [n_x, n_lambda, n_u, N] = p.sizes;
+  const auto each = [stages = static_cast<std::size_t>(N)](Eigen::Index size) {
+    return std::vector<Eigen::Index>(stages, size);
+  };
+  c3::Constraints& c = p.constraints;
+  c.x_min = params.bounds("xmin", each(n_x), -kInfinity, true, &c.x_N_min);
+  c.x_max = params.bounds("xmax", each(n_x), kInfinity, true, &c.x_N_max);
+  c.lambda_min = params.bounds("lambdamin", each(n_lambda), -kInfinity);
+  c.lambda_max = params.bounds("lambdamax", each(n_lambda), kInfinity);
+  c.u_min = params.bounds("umin", each(n_u), -kInfinity);
+  c.u_max = params.bounds("umax", each(n_u), kInfinity);
+  if (!params.has("C") && !params.has("Cmin") && !params.has("Cmax")) return;
+  c.C = params.matrices("C", JsonReader::kAnyRows, p.sizes.n_z(), N);
+  std::vector<Eigen::Index> rows;
+  for (int k = 0; k < N; ++k) rows.push_back(c.C[k].rows());
+  c.C_min = params.bounds("Cmin", rows, -kInfinity);
+  c.C_max = params.bounds("Cmax", rows, kInfinity);
 }
 
 MatrixXd read_desired(JsonReader& params, const c3::Sizes& sizes) {
@@ -176,18 +206,14 @@ ProblemFile read(const Json& json, const std::string& name) {
   p.big_M = params.number("M", 0.0, kInfinity, 1000.0);
   p.x_desired = read_desired(params, p.sizes);
   read_costs(params, p);
-  c3::Constraints& c = p.constraints;
-  c.x_min = params.bounds("xmin", of.n_x, -kInfinity, N, true, &c.x_N_min);
-  c.x_max = params.bounds("xmax", of.n_x, kInfinity, N, true, &c.x_N_max);
-  c.u_min = params.bounds("umin", of.n_u, -kInfinity, N, false, nullptr);
-  c.u_max = params.bounds("umax", of.n_u, kInfinity, N, false, nullptr);
+  read_constraints(params, p);
   params.finish();
 
   settings.osqp = {20000, 1e-8, 0.1, 50, true};
   const bool osqp = top.choice("qp", {"auto", "osqp", "direct"}, 0) == 1;
-  settings.qp = osqp         ? c3::QpBackend::kOsqp
-                : c3::any(c) ? c3::QpBackend::kInteriorPoint
-                             : c3::QpBackend::kDirect;
+  settings.qp = osqp                     ? c3::QpBackend::kOsqp
+                : c3::any(p.constraints) ? c3::QpBackend::kInteriorPoint
+                                         : c3::QpBackend::kDirect;
   if (top.has("deadline_s") && !top.at("deadline_s").is_null()) {
     p.deadline_s = top.number("deadline_s", 0.0, kInfinity);
   }

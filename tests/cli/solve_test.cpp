@@ -152,6 +152,7 @@ TEST_CASE("solve: a problem without an answer exits with 1 and says why") {
   const Outcome outcome = Place().solve(json);
   CHECK(outcome.status == 1);
   CHECK(Json::parse(outcome.output)["status"] == "fail: the bounds cannot be met");
+  CHECK_THAT(outcome.error, Contains("fail: the bounds cannot be met") && !Contains("u_0"));
 }
 
 TEST_CASE("solve: an answer whose projections ended at max_nodes is truncated and says so") {

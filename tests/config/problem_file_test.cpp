@@ -163,6 +163,157 @@ TEST_CASE("problem file: bounds are one list or one a stage, null is none") {
   CHECK(read(json).constraints.x_N_min[0] == -3.0);
 }
 
+TEST_CASE("problem file: rows C z and lambda have bounds, one list or one a stage, null is none") {
+  Json json = problem();
+  json["params"].update({{"lambdamin", {0}}, {"lambdamax", {{1}, {nullptr}, {2}}}});
+  ProblemFile p = read(json);
+  CHECK(p.constraints.lambda_min[2][0] == 0.0);
+  REQUIRE(p.constraints.lambda_max.count() == 3);
+  CHECK(p.constraints.lambda_max[1][0] == kInfinity);
+  CHECK(p.settings.qp == c3::QpBackend::kInteriorPoint);
+
+  json = problem();
+  json["params"].update(
+      {{"C", {{1, 0, 2}, {0, 1, 0}}}, {"Cmin", {-1, nullptr}}, {"Cmax", {nullptr, 3}}});
+  p = read(json);
+  CHECK(p.constraints.C[2] == (Eigen::MatrixXd(2, 3) << 1, 0, 2, 0, 1, 0).finished());
+  CHECK(p.constraints.C_min[0] == Eigen::Vector2d(-1, -kInfinity));
+  CHECK(p.constraints.C_max[0] == Eigen::Vector2d(kInfinity, 3));
+
+  // as many rows as each stage has, none too
+  json["params"].update({{"C", Json::parse("[[[1, 0, 2]], [], [[0, 1, 0], [0, 0, 1]]]")},
+                         {"Cmin", Json::parse("[[0], [], [1, null]]")},
+                         {"Cmax", nullptr}});
+  p = read(json);
+  REQUIRE(p.constraints.C.count() == 3);
+  CHECK(p.constraints.C[1].rows() == 0);
+  CHECK(p.constraints.C_min[2] == Eigen::Vector2d(1, -kInfinity));
+  for (const char* none : {"[]", "[[], [], []]"}) {
+    json["params"].update({{"C", Json::parse(none)}, {"Cmin", nullptr}});
+    CHECK_FALSE(c3::any(read(json).constraints));
+  }
+
+  const std::vector<std::pair<Json, std::string>> refused{
+      {{{"Cmin", {0}}}, "C: expected a value, got none"},
+      {{{"C", {{1, 0}}}, {"Cmin", {0}}}, "C: expected 1 x 3, got 1 x 2"},
+      {{{"C", {{1, 0, 0}}}, {"Cmin", {0, 0}}}, "Cmin: expected 1 values, got 2"},
+      {{{"C", {{1, 0, 0}}}, {"Cmin", {1}}, {"Cmax", {0}}},
+       "Cmin[0]: expected at most params.Cmax = 0, got 1"},
+      {{{"C", Json::parse("[[[1, 0, 2]], []]")}}, "C: expected one matrix or N = 3, got 2"},
+      {{{"C", Json::parse("[[[1, 0, 2]], [], []]")}, {"Cmin", {0}}},
+       "Cmin: expected one list or N = 3, got 1"},
+      {{{"C", {{1, 0, "x"}}}}, "C[0][2]: expected a number, got \"x\""},
+      {{{"lambdamin", {0, 0}}}, "lambdamin: expected 1 values, got 2"},
+      {{{"lambdamin", {1}}, {"lambdamax", {0}}},
+       "lambdamin[0]: expected at most params.lambdamax = 0, got 1"}};
+  for (const auto& [more, message] : refused) {
+    CHECK_THAT(refusal([&more = more](Json& changed) { changed["params"].update(more); }),
+               Equals("p.json: params." + message));
+  }
+}
+
+TEST_CASE("problem file: a row C z binds like the bound that it stands for") {
+  const auto u_and_lambda = [](const Json& more) {
+    Json json = problem();
+    json["params"].update(more);
+    const ProblemFile p = read(json);
+    c3::Solver solver(p.sizes, p.settings);
+    const c3::Solution& solution = solve(p, solver);
+    REQUIRE(solution.status == c3::SolveStatus::kOk);
+    return Eigen::MatrixXd(solution.z.bottomRows(2));
+  };
+  const Eigen::MatrixXd free = u_and_lambda(Json::object());
+  const double u = 0.5 * free(1, 0), lambda = 0.5 * free.row(0).maxCoeff();
+  const Json u_row{{"C", {{0, 0, 1}}}}, lambda_row{{"C", {{0, 1, 0}}}};
+  Json bound, row = u_row;
+  REQUIRE(u < 0.0);
+  bound["umin"] = {u};
+  row["Cmin"] = {u};
+  CHECK((u_and_lambda(bound) - u_and_lambda(row)).norm() < 1e-8);
+  CHECK(u_and_lambda(row).row(1).minCoeff() == Approx(u));
+  row = lambda_row;
+  bound = {{"lambdamax", {lambda}}};
+  row["Cmax"] = {lambda};
+  CHECK((u_and_lambda(bound) - u_and_lambda(row)).norm() < 1e-8);
+  CHECK(u_and_lambda(row).row(0).maxCoeff() == Approx(lambda));
+}
+
+namespace {
+
+/// The same without contacts or without inputs; an m × 0 matrix as m empty rows, or as [].
+Json without(bool contacts, bool inputs, bool rows) {
+  Json json = problem();
+  const Json no_columns = rows ? Json::parse("[[]]") : Json::array(), none = Json::array();
+  Json& lcs = json["lcs"];
+  Json& params = json["params"];
+  if (!contacts) lcs.update({{"D", no_columns}, {"E", none}, {"F", none}, {"H", none}, {"c", none}});
+  if (!inputs) {
+    lcs["B"] = no_columns;
+    lcs["H"] = contacts ? no_columns : none;
+    params["R"] = none;
+  }
+  const int n_z = 1 + (contacts ? 1 : 0) + (inputs ? 1 : 0);
+  Json weight = Json::array();
+  for (int i = 0; i < n_z; ++i) {
+    weight.push_back(Json::array());
+    for (int j = 0; j < n_z; ++j) weight[i].push_back(i == j ? 1 : 0);
+  }
+  params.update({{"G", weight}, {"U", weight}});
+  return json;
+}
+
+}  // namespace
+
+TEST_CASE("problem file: without contacts or inputs the empty blocks are [] or empty rows") {
+  for (const bool contacts : {false, true}) {
+    for (const bool inputs : {false, true}) {
+      for (const bool rows : {false, true}) {
+        const ProblemFile p = read(without(contacts, inputs, rows));
+        CAPTURE(contacts, inputs, rows);
+        CHECK(p.sizes.n_lambda == (contacts ? 1 : 0));
+        CHECK(p.sizes.n_u == (inputs ? 1 : 0));
+        CHECK(p.lcs[0].D.rows() == 1);
+        CHECK(p.lcs[0].H.cols() == p.sizes.n_u);
+        c3::Solver solver(p.sizes, p.settings);
+        const c3::Solution& solution = solve(p, solver);
+        const config::ProblemResult result = config::to_result(p, solution, 0.0);
+        const Json written = Json::parse(config::to_json(p, result, solution.trace));
+        CHECK(written["status"] == "ok");
+        CHECK(written["lam"].size() == 3);
+        CHECK(written["lam"][2].size() == (contacts ? 1 : 0));
+        CHECK(written["u0"].size() == (inputs ? 1 : 0));
+
+        // blocks that move nothing change nothing
+        Json idle = problem();
+        if (!contacts) idle["lcs"].update({{"D", {{0}}}, {"E", {{0}}}, {"c", {1}}});
+        if (!inputs) idle["lcs"]["B"] = {{0}};
+        const int n_z = p.sizes.n_z();
+        for (const char* weight : {"G", "U"})
+          idle["params"][weight] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        const ProblemFile same = read(idle);
+        c3::Solver other(same.sizes, same.settings);
+        const c3::Solution& expected = solve(same, other);
+        REQUIRE(n_z == solution.z.rows());
+        CHECK((solution.x_N - expected.x_N).norm() < 1e-9);
+        CHECK((solution.z.topRows(1) - expected.z.topRows(1)).norm() < 1e-9);
+        if (inputs) CHECK(solution.u_0()[0] == Approx(expected.u_0()[0]).margin(1e-9));
+      }
+    }
+  }
+}
+
+TEST_CASE("problem file: of empty blocks the ones that are not say what was expected") {
+  const Json none = Json::array();
+  CHECK_THAT(refusal(set("/lcs/F", none)), Equals("p.json: lcs.F: expected 1 x 1, got 0 x 0"));
+  CHECK_THAT(refusal(set("/lcs/B", none)), Equals("p.json: lcs.B: expected 1 x 1, got 0 x 0"));
+  CHECK_THAT(refusal(set("/lcs/A", none)),
+             Contains("p.json: lcs.A: expected a matrix, got an empty one"));
+  CHECK_THAT(refusal(set("/params/R", {{1}}), without(true, false, true)),
+             Equals("p.json: params.R: expected 0 x 0, got 1 x 1"));
+  CHECK_THAT(refusal(set("/lcs/E", {{1}}), without(false, true, true)),
+             Equals("p.json: lcs.D: expected 1 x 1, got 1 x 0"));
+}
+
 TEST_CASE("problem file: the weights of C3+ are a number or a list") {
   Json json = plus_problem();
   json["params"]["g_eta"] = {0.5};
