@@ -1,6 +1,7 @@
 #pragma once
 // The options of everything that runs a scenario.
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "cli/checks.hpp"
 #include "cli/example/run.hpp"
 #include "cli/example/scenario.hpp"
 #include "cli/launch.hpp"
@@ -25,14 +27,15 @@ struct LaunchOptions {
     command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
         ->required();
     command.add_option("--clock", clock_, "realtime or lockstep")
-        ->check(CLI::IsMember({"realtime", "lockstep"}))
+        ->check(one_of({"realtime", "lockstep"}))
         ->capture_default_str();
     command.add_option("--seed", settings.seed, "Seed of every random number")
+        ->check(whole(0, std::numeric_limits<long long>::max()))
         ->capture_default_str();
     command
         .add_option("--duration", duration_s,
                     "Ends the run after this long [s]; default: the scenario's")
-        ->check(CLI::PositiveNumber);
+        ->check(number(0.1, 1e6));
     command
         .add_option("--set", settings.overrides,
                     "Overrides one key of the scenario: section.key=value")
@@ -41,7 +44,7 @@ struct LaunchOptions {
     command.add_option("--out", settings.out,
                        "Folder of logs and results; default: out/SCENARIO-DATE");
     command.add_option("--domain", domain_, "DDS domain, 0 to 230, or any: the first that is free")
-        ->check(CLI::Range(0, 230) | CLI::IsMember({"any"}))
+        ->check(whole_or(0, 230, "any"))
         ->capture_default_str();
     command
         .add_option("--dds", settings.dds_profile, "DDS profile: a name of config/dds or a path")

@@ -16,7 +16,9 @@
 
 #include "cli/bench.hpp"
 #include "cli/campaign/options.hpp"
+#include "cli/checks.hpp"
 #include "cli/client.hpp"
+#include "cli/examples.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/reproduce.hpp"
@@ -31,27 +33,16 @@ using namespace c3rt;
 
 constexpr double kDegree = M_PI / 180.0;  // [rad]
 
-constexpr const char* kExamples =
-    "Examples:\n"
-    "  c3rt run circle_slow --clock lockstep          three circles in simulated time, report and "
-    "pictures\n"
-    "  c3rt run circle_vision --seed 7 --out out/v7   in real time, with three cameras\n"
-    "  c3rt run circle_slow --set planner.c3.admm_iterations=2\n"
-    "  c3rt run cart_pole --set c3.projection=miqp    a numerical example of the paper\n"
-    "  c3rt up circle_fast; c3rt status; c3rt target hold; c3rt down\n"
-    "  c3rt echo ball/estimate --count 3; c3rt hz plan\n"
-    "  c3rt campaign circle_fast --seeds 1..20        success rate and percentiles over the seeds\n"
-    "  c3rt solve problem.json --out result.json      one C3 call on your own system\n"
-    "  c3rt bench c3 --filter solve/1_ball            how fast it is on this machine\n"
-    "  c3rt reproduce table3                          our numbers beside the paper's\n"
-    "  c3rt fault push-ball --impulse 0.005 0 0\n"
-    "Exit status: 0 done and criteria met, 1 ran but a criterion failed, 2 usage or configuration "
-    "error,\n"
-    "3 a process failed.";
+constexpr const char* kExitStatus =
+    "Exit status: 0 done and criteria met, 1 ran but a criterion failed or was refused, 2 usage or\n"
+    "configuration error, 3 a process or the machine failed.";
+
+/// The longest that a person may want something to take: a day [s]
+constexpr double kLongest = 86400.0;
 
 void add_seat(CLI::App& command, cli::Seat& seat) {
   command.add_option("--domain", seat.domain, "DDS domain")
-      ->check(CLI::Range(0, 230))
+      ->check(cli::whole(0, 230))
       ->capture_default_str();
   command.add_option("--dds", seat.dds_profile, "DDS profile, where no instance of yours tells it")
       ->capture_default_str();
@@ -62,12 +53,23 @@ const std::map<std::string, wire::Process> kProcesses{{"plant", c3rt_v1_PROCESS_
                                                       {"planner", c3rt_v1_PROCESS_PLANNER},
                                                       {"vision", c3rt_v1_PROCESS_VISION}};
 
+std::vector<std::string> process_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, process] : kProcesses) names.push_back(name);
+  return names;
+}
+
+// what no scenario can have; the process that is asked knows its own limits
+constexpr double kFarthest = 1e3;  // [m], [N s], [deg]
+constexpr int kMostCameras = 64;
+constexpr long long kMostLines = 1'000'000'000;
+
 /// Everything that the command line can hold; chosen() is what it asked for.
 class CommandLine {
  public:
   CommandLine() {
     app_.require_subcommand(1);
-    app_.footer(kExamples);
+    app_.footer(cli::examples_text("") + "\n" + kExitStatus);
     app_.set_version_flag("--version", "c3rt " C3RT_VERSION);
     add_running();
     add_requests();
@@ -82,16 +84,27 @@ class CommandLine {
   int run(int argc, char** argv) {
     try {
       app_.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+      return app_.exit(help);
     } catch (const CLI::ParseError& error) {
-      return app_.exit(error) == 0 ? cli::kDone : cli::kUsage;
+      fmt::print(stderr, "c3rt: error: {}\n", cli::complaint(app_, error));
+      return cli::kUsage;
     }
     return action_();
   }
 
  private:
+  /// A command with its own examples.
+  CLI::App* group(CLI::App& parent, const std::string& name, const std::string& description) {
+    const std::string path = &parent == &app_ ? name : parent.get_name() + " " + name;
+    CLI::App* added = parent.add_subcommand(name, description);
+    added->footer(cli::examples_text(path));
+    return added;
+  }
+
   CLI::App* command(CLI::App& parent, const std::string& name, const std::string& description,
                     std::function<int()> action) {
-    CLI::App* added = parent.add_subcommand(name, description);
+    CLI::App* added = group(parent, name, description);
     added->callback([this, action = std::move(action)] { action_ = action; });
     return added;
   }
@@ -139,7 +152,7 @@ class CommandLine {
     CLI::App* added = command(parent, name, description, [this, kind, process] {
       wire::FaultInject sample{};
       sample.kind = kind;
-      sample.process = process ? *process : process_;
+      sample.process = process ? *process : kProcesses.at(process_);
       sample.index = index_;
       sample.duration_s = fault_duration_s_;
       for (std::size_t i = 0; i < 3; ++i) sample.value[i] = impulse_ns_[i];
@@ -149,28 +162,29 @@ class CommandLine {
     if (!process)
       added->add_option("process", process_, "Which process")
           ->required()
-          ->transform(CLI::CheckedTransformer(kProcesses));
+          ->check(cli::one_of(process_names()));
     const bool lasts = kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
     if (lasts)
       added->add_option("--for", fault_duration_s_, "How long [s]")
-          ->check(CLI::PositiveNumber)
+          ->check(cli::number(0.001, kLongest))
           ->capture_default_str();
     return added;
   }
 
   void add_faults() {
-    CLI::App& parent = *app_.add_subcommand("fault", "Makes something go wrong");
+    CLI::App& parent = *group(app_, "fault", "Makes something go wrong");
     parent.require_subcommand(1);
     CLI::App* push =
         fault(parent, "push-ball", "Pushes a ball", c3rt_v1_FAULT_PUSH_BALL, c3rt_v1_PROCESS_PLANT);
-    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")->expected(3)->required();
-    push->add_option("--ball", index_, "Which ball")->check(CLI::Range(0, c3rt_v1_MAX_BALLS - 1));
+    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")->expected(3)->required()->check(
+        cli::number(-kFarthest, kFarthest));
+    push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v1_MAX_BALLS - 1));
     fault(parent, "drop-commands", "The plant ignores commands", c3rt_v1_FAULT_DROP_COMMANDS,
           c3rt_v1_PROCESS_PLANT);
     fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v1_FAULT_FREEZE_CAMERA,
           c3rt_v1_PROCESS_VISION)
         ->add_option("--camera", index_, "Which camera")
-        ->check(CLI::NonNegativeNumber);
+        ->check(cli::whole(0, kMostCameras - 1));
     fault(parent, "lose-ball", "No camera sees the ball", c3rt_v1_FAULT_LOSE_BALL,
           c3rt_v1_PROCESS_VISION);
     fault(parent, "stall", "A process stops answering", c3rt_v1_FAULT_STALL, std::nullopt);
@@ -194,20 +208,25 @@ class CommandLine {
   }
 
   void add_targets() {
-    CLI::App& parent = *app_.add_subcommand("target", "Gives the planner another task");
+    CLI::App& parent = *group(app_, "target", "Gives the planner another task");
     parent.require_subcommand(1);
     CLI::App* circle = target(parent, "circle", "A circle on the table", c3rt_v1_TARGET_CIRCLE);
-    circle->add_option("--center", position_m_, "x and y [m]")->expected(2)->capture_default_str();
+    circle->add_option("--center", position_m_, "x and y [m]")
+        ->expected(2)
+        ->check(cli::number(-kFarthest, kFarthest))
+        ->capture_default_str();
     circle->add_option("--radius", radius_m_, "[m]")
-        ->check(CLI::PositiveNumber)
+        ->check(cli::number(0.0, kFarthest))
         ->capture_default_str();
     circle
         ->add_option("--lead-deg", lead_deg_,
                      "How far ahead the target runs; positive is clockwise from above")
+        ->check(cli::number(-kFarthest, kFarthest))
         ->capture_default_str();
     target(parent, "point", "A point on the table", c3rt_v1_TARGET_POINT)
         ->add_option("position", position_m_, "x and y [m]")
         ->expected(2)
+        ->check(cli::number(-kFarthest, kFarthest))
         ->required();
     target(parent, "hold", "Stay where it is", c3rt_v1_TARGET_HOLD);
     target(parent, "scenario", "Back to the scenario's own task", c3rt_v1_TARGET_SCENARIO);
@@ -225,7 +244,7 @@ class CommandLine {
       add_seat(*tool, seat_);
       tool->add_option("topic", topic_, "Name of a topic: c3rt topics lists them")->required();
       tool->add_option("--count,-n", count_, "Lines to print; 0: until interrupted")
-          ->check(CLI::NonNegativeNumber);
+          ->check(cli::whole(0, kMostLines));
     }
   }
 
@@ -242,7 +261,7 @@ class CommandLine {
         [this] { return cli::reproduce::reproduce(reproduce_, &wire::StopFlag::requested); });
     reproduce->add_option("what", reproduce_.what, "Which table or figure")
         ->required()
-        ->check(CLI::IsMember(cli::reproduce::names()));
+        ->check(cli::one_of(cli::reproduce::names()));
     reproduce->add_option("--out", reproduce_.out, "Folder of results; default: out/reproduce");
     reproduce->add_flag("--quick", reproduce_.quick, "Short runs: for a look, not for numbers");
     reproduce->add_flag("--fresh", reproduce_.fresh,
@@ -253,14 +272,8 @@ class CommandLine {
     reproduce
         ->add_option("--miqp-limit", reproduce_.miqp_limit,
                      "Time limit of each monolithic MIQP [s]")
-        ->check(CLI::PositiveNumber)
+        ->check(cli::number(0.001, kLongest))
         ->capture_default_str();
-    reproduce->footer(
-        "Examples:\n"
-        "  c3rt reproduce table3                       the projections on the cart-pole, seconds\n"
-        "  c3rt reproduce table1 --miqp-limit 60       with an hour's patience for the MIQP\n"
-        "  c3rt reproduce fig5 --out out/figures\n"
-        "  c3rt reproduce comparison --seeds 1..20     every projection on the same circle");
   }
 
   void add_library() {
@@ -277,14 +290,14 @@ class CommandLine {
     CLI::App* bench = command(app_, "bench", "Benchmarks, each beside its baseline in the same run",
                               [this]() -> int { cli::bench(bench_); });
     bench->add_option("name", bench_.name, "Which: c3 or vision")
-        ->check(CLI::IsMember(cli::bench_names()))
+        ->check(cli::one_of(cli::bench_names()))
         ->capture_default_str();
     bench->add_option("--filter", bench_.filter,
                       "Regular expression of the benchmarks to run: solve/1_ball");
     bench
         ->add_option("--repetitions", bench_.repetitions,
                      "Times each; the table then has mean and median")
-        ->check(CLI::Range(1, 1000))
+        ->check(cli::whole(1, 1000))
         ->capture_default_str();
     bench->add_option("--json", bench_.json, "File of the results, beside the table");
   }
@@ -297,7 +310,7 @@ class CommandLine {
   cli::Seat seat_;
   std::string topic_;
   int count_ = 0;
-  wire::Process process_ = c3rt_v1_PROCESS_PLANT;
+  std::string process_;
   int index_ = 0;
   double fault_duration_s_ = 1.0;
   std::vector<double> impulse_ns_{0.0, 0.0, 0.0};

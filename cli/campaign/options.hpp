@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/campaign/campaign.hpp"
+#include "cli/checks.hpp"
 
 namespace c3rt::cli::campaign {
 
@@ -19,9 +20,9 @@ inline void add_options(CLI::App& command, Settings& settings) {
   command
       .add_option("--duration", settings.duration,
                   "Ends each run after this long [s]; default: the scenario's")
-      ->check(CLI::PositiveNumber);
+      ->check(number(0.1, 1e6));
   command.add_option("--jobs,-j", settings.at_once, "Runs at once; default: one for each core")
-      ->check(CLI::Range(1, 130));
+      ->check(whole(1, 130));
   command.add_option("--out", settings.out, "Folder of results; default: out/campaign-SCENARIO");
   command.add_flag("--fresh", settings.fresh,
                    "Makes every run anew; else those of an earlier call with the same scenario, "
@@ -31,16 +32,10 @@ inline void add_options(CLI::App& command, Settings& settings) {
   command
       .add_option("--engine", settings.engine,
                   "local, or dask: workers on this or on other machines")
-      ->check(CLI::IsMember({"local", "dask"}))
+      ->check(one_of({"local", "dask"}))
       ->capture_default_str();
   command.add_option("--address", settings.address,
                      "Of Dask's scheduler, tcp://host:port; default: workers on this machine");
-  command.footer(
-      "Examples:\n"
-      "  c3rt campaign circle_fast --seeds 1..20\n"
-      "  c3rt campaign circle_fast --seeds 1..20 --set planner.c3.projection=plus --out out/plus\n"
-      "  c3rt campaign circle_vision --seeds 1..200 --engine dask --address tcp://10.0.0.1:8786\n"
-      "Exit status: 0 every run met its criteria, 1 some did not, 2 usage, 3 a process failed.");
 }
 
 }  // namespace c3rt::cli::campaign

@@ -1,8 +1,11 @@
 // The command as a person meets it: the installed program, with small shells in the place of the
 // four processes.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -119,9 +122,67 @@ TEST_CASE("a numerical example refuses the options of the four processes, and to
   CHECK_THAT(service.output, Contains("numerical example"));
 }
 
-TEST_CASE("a word that is no command, and no word at all, are usage errors") {
-  CHECK(Place().c3rt("frobnicate").status == 2);
-  CHECK(Place().c3rt("").status == 2);
+TEST_CASE("a word that is no command, and no word at all, are usage errors in a plain sentence") {
+  const Outcome unknown = Place().c3rt("staus");
+  CHECK(unknown.status == 2);
+  CHECK_THAT(unknown.output, Contains("there is no command \"staus\"; did you mean \"status\"?"));
+  const Outcome none = Place().c3rt("");
+  CHECK(none.status == 2);
+  CHECK_THAT(none.output, Contains("a command is missing, one of: run, up"));
+  const Outcome half = Place().c3rt("fault");
+  CHECK(half.status == 2);
+  CHECK_THAT(half.output, Contains("c3rt fault: a command is missing, one of: push-ball"));
+}
+
+TEST_CASE("numbers out of range, NaN and words that are not known are refused in one plain line") {
+  const Place place;
+  for (const auto& [arguments, said] : std::vector<std::pair<std::string, std::string>>{
+           {"echo plan -n -1", "--count: expected a whole number from 0 to 1000000000, got \"-1\""},
+           {"target circle --radius nan", "--radius: expected a number from 0 to"},
+           {"target circle --center nan 0", "--center: expected a number from"},
+           {"target circle --lead-deg inf", "--lead-deg: expected a number from"},
+           {"target point 0.5 nan", "position: expected a number from"},
+           {"fault push-ball --impulse 0 1e999 0", "--impulse: expected a number from"},
+           {"fault stall plant --for nan", "--for: expected a number from"},
+           {"fault nan plantt", "one of impedance, planner, plant, vision, got \"plantt\"; did"},
+           {"run circle_slow --duration nan", "--duration: expected a number from"},
+           {"run circle_slow --seed 1.5", "--seed: expected a whole number from 0"},
+           {"run circle_slow --domain 231", "a whole number from 0 to 230, or any, got \"231\""},
+           {"campaign circle_slow --jobs 0", "--jobs: expected a whole number from 1 to"},
+           {"reproduce table1 --miqp-limit nan", "--miqp-limit: expected a number from"},
+           {"status --dommain 3", "there is no option \"--dommain\"; did you mean \"--domain\"?"},
+           {"down now", "\"now\" is one word too many"},
+           {"echo 'a\033[31m' b", "\"b\" is one word too many"}}) {
+    CAPTURE(arguments);
+    const Outcome outcome = place.c3rt(arguments);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.output, Contains(said));
+    CHECK(std::count(outcome.output.begin(), outcome.output.end(), '\n') == 1);
+    CHECK(outcome.output.size() < 300);
+  }
+}
+
+TEST_CASE("every command's help shows at least two examples, all of that command") {
+  const Place place;
+  for (const std::string command :
+       {"run", "up", "serve", "down", "status", "recover", "stop", "fault", "fault push-ball",
+        "fault drop-commands", "fault freeze-camera", "fault lose-ball", "fault stall", "fault nan",
+        "fault none", "target", "target circle", "target point", "target hold", "target scenario",
+        "topics", "echo", "hz", "campaign", "reproduce", "solve", "bench"}) {
+    CAPTURE(command);
+    const Outcome help = place.c3rt(command + " --help");
+    CHECK(help.status == 0);
+    const std::size_t at = help.output.find("Examples:\n");
+    REQUIRE(at != std::string::npos);
+    std::istringstream lines(help.output.substr(at + 10));
+    int own = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind("  c3rt ", 0) != 0) continue;
+      CHECK(line.rfind("  c3rt " + command, 0) == 0);
+      ++own;
+    }
+    CHECK(own >= 2);
+  }
 }
 
 TEST_CASE("help and version succeed") {

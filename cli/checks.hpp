@@ -1,0 +1,25 @@
+#pragma once
+// What an option accepts, said in plain words: "expected a number from 0 to 1, got nan".
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace c3rt::cli {
+
+/// A whole number from min to max.
+CLI::Validator whole(long long min, long long max);
+/// The same, or this word.
+CLI::Validator whole_or(long long min, long long max, const std::string& word);
+/// A finite number from min to max.
+CLI::Validator number(double min, double max);
+/// One of these words; the error suggests the nearest.
+CLI::Validator one_of(std::vector<std::string> words);
+
+/// The word that a mistyped one most likely means; "" if none is near.
+std::string nearest(const std::string& word, const std::vector<std::string>& words);
+
+/// What is wrong with the command line, in one sentence that names the command.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace c3rt::cli

@@ -1,0 +1,114 @@
+#include "cli/examples.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace c3rt::cli {
+namespace {
+
+using Examples = std::map<std::string, std::vector<Example>>;
+
+const Examples kExamples{
+    {"",
+     {{"c3rt run circle_slow --clock lockstep", "three circles in simulated time: report, pictures"},
+      {"c3rt up circle_fast; c3rt status; c3rt down", "as a service in real time"},
+      {"c3rt target hold", "another task for the service"},
+      {"c3rt hz plan", "what is on the bus"},
+      {"c3rt campaign circle_fast --seeds 1..20", "success rate and percentiles over the seeds"},
+      {"c3rt solve problem.json --out result.json", "one C3 call on your own system"},
+      {"c3rt reproduce table3", "our numbers beside the paper's"}}},
+    {"run",
+     {{"c3rt run circle_slow --clock lockstep", "three circles in simulated time"},
+      {"c3rt run circle_vision --seed 7 --out out/v7", "in real time, with three cameras"},
+      {"c3rt run circle_slow --set planner.c3.admm_iterations=2", ""},
+      {"c3rt run cart_pole --set c3.projection=miqp", "a numerical example of the paper"}}},
+    {"up",
+     {{"c3rt up circle_slow", "returns once every process runs"},
+      {"c3rt up circle_vision --domain 3 --out out/service", "a second one beside it"}}},
+    {"serve",
+     {{"c3rt serve circle_slow", "until Ctrl-C or SIGTERM"},
+      {"c3rt serve circle_slow --domain 3 --dds lan", "under systemd or a container"}}},
+    {"down", {{"c3rt down", "the instance on domain 0"}, {"c3rt down --domain 3", ""}}},
+    {"status",
+     {{"c3rt status", "the instance on domain 0"},
+      {"c3rt status --domain 3 --dds lan", "that of another host, on the profile lan"}}},
+    {"recover",
+     {{"c3rt recover", "after a reflex or c3rt stop"}, {"c3rt recover --domain 3", ""}}},
+    {"stop", {{"c3rt stop", "the arm stands still"}, {"c3rt stop --domain 3", ""}}},
+    {"fault",
+     {{"c3rt fault push-ball --impulse 0.005 0 0", ""},
+      {"c3rt fault stall planner --for 0.5", ""},
+      {"c3rt fault none vision", "ends its faults"}}},
+    {"fault push-ball",
+     {{"c3rt fault push-ball --impulse 0.005 0 0", "5 mNs along x"},
+      {"c3rt fault push-ball --impulse 0 -0.003 0 --ball 1", ""}}},
+    {"fault drop-commands",
+     {{"c3rt fault drop-commands --for 0.005", "fewer than 20 in a row: rides through"},
+      {"c3rt fault drop-commands --for 0.1", "a reflex; then c3rt recover"}}},
+    {"fault freeze-camera",
+     {{"c3rt fault freeze-camera --camera 1 --for 2", ""},
+      {"c3rt fault freeze-camera", "camera 0 for a second"}}},
+    {"fault lose-ball",
+     {{"c3rt fault lose-ball --for 0.5", ""}, {"c3rt fault lose-ball --domain 3", ""}}},
+    {"fault stall",
+     {{"c3rt fault stall planner --for 0.5", ""}, {"c3rt fault stall vision --for 1", ""}}},
+    {"fault nan",
+     {{"c3rt fault nan planner --for 0.1", ""}, {"c3rt fault nan impedance --for 0.01", ""}}},
+    {"fault none", {{"c3rt fault none planner", ""}, {"c3rt fault none plant --domain 3", ""}}},
+    {"target",
+     {{"c3rt target circle --radius 0.08", ""},
+      {"c3rt target hold", ""},
+      {"c3rt target scenario", "back to the scenario's own"}}},
+    {"target circle",
+     {{"c3rt target circle --radius 0.08", ""},
+      {"c3rt target circle --center 0.55 0 --radius 0.1 --lead-deg -20",
+       "the other way round"}}},
+    {"target point",
+     {{"c3rt target point 0.55 0.05", "x and y in metres"},
+      {"c3rt target point 0.5 -0.1 --domain 3", "a negative number is no option"}}},
+    {"target hold", {{"c3rt target hold", ""}, {"c3rt target hold --domain 3", ""}}},
+    {"target scenario", {{"c3rt target scenario", ""}, {"c3rt target scenario --domain 3", ""}}},
+    {"topics", {{"c3rt topics", ""}, {"c3rt topics --domain 3 --dds lan", ""}}},
+    {"echo",
+     {{"c3rt echo ball/estimate --count 3", ""},
+      {"c3rt echo plan --timeout 0 | jq .phase", "waits until somebody writes"}}},
+    {"hz",
+     {{"c3rt hz plan", "a line a second until Ctrl-C"},
+      {"c3rt hz service/status --count 5", "one line for each process"}}},
+    {"campaign",
+     {{"c3rt campaign circle_fast --seeds 1..20", "success rate and percentiles over the seeds"},
+      {"c3rt campaign circle_slow --seeds 1,5,9..12 --set planner.rate_hz=50 --out out/slow50", ""},
+      {"c3rt campaign circle_fast --seeds 1..200 --engine dask --address tcp://host:8786", ""}}},
+    {"reproduce",
+     {{"c3rt reproduce table3", "the projections on the cart-pole, seconds"},
+      {"c3rt reproduce table1 --miqp-limit 60", "with an hour's patience for the MIQP"},
+      {"c3rt reproduce fig5 --out out/figures", ""},
+      {"c3rt reproduce comparison --seeds 1..20", "every projection on the same circle"}}},
+    {"solve",
+     {{"c3rt solve problem.json --out result.json", ""},
+      {"c3rt solve problem.json | jq .u", "the result on standard output"}}},
+    {"bench",
+     {{"c3rt bench c3 --filter solve/1_ball", ""},
+      {"c3rt bench vision --repetitions 9 --json vision.json", ""}}},
+};
+
+constexpr std::size_t kColumn = 48;
+
+}  // namespace
+
+const std::vector<Example>& examples_of(const std::string& command) {
+  return kExamples.at(command);
+}
+
+std::string examples_text(const std::string& command) {
+  std::string text = "Examples:";
+  for (const Example& example : examples_of(command)) {
+    text += "\n  " + example.line;
+    if (example.what.empty()) continue;
+    const std::size_t length = example.line.size();
+    text += std::string(length < kColumn ? kColumn - length : 2, ' ') + example.what;
+  }
+  return text;
+}
+
+}  // namespace c3rt::cli
