@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -70,6 +71,13 @@ class JsonVisitor {
     object_[name] = json_of(value);
   }
   void machine_time(const char* name, double value) { object_[name] = value; }
+  /// The first `count` elements.
+  template <typename T>
+  void list(const char* name, const T* values, int count) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (int i = 0; i < count; ++i) all.push_back(json_of(values[i]));
+    object_[name] = all;
+  }
   template <std::size_t Columns>
   void matrix(const char* name, const double (*value)[Columns], int rows, int columns) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -95,6 +103,11 @@ class JsonVisitor {
       }
     } else if constexpr (std::is_enum_v<T>) {
       return name_of(value);
+    } else if constexpr (std::is_same_v<T, wire::RefusedSamples>) {
+      return {{"topic", value.topic},
+              {"reason", value.reason},
+              {"count", value.count},
+              {"latest", value.latest}};
     } else {
       return value;
     }
@@ -111,12 +124,29 @@ class JsonVisitor {
   throw UsageError("unknown topic \"" + name + "\"; known: " + known);
 }
 
+/// Tells on stderr what is refused, once for each kind.
+class RefusalTeller {
+ public:
+  void look(const wire::Bus& bus) {
+    for (const wire::RefusedCount& refused : bus.refusals()) {
+      const std::string kind =
+          fmt::format("{} ({}) from {}", refused.topic, reason_name(refused.reason), refused.from);
+      if (told_.insert(kind).second)
+        fmt::print(stderr, "c3rt: refused {}: {}\n", kind, refused.latest);
+    }
+  }
+
+ private:
+  std::set<std::string> told_;
+};
+
 /// Gives every sample of T to `action` until it returns false or a stop is requested.
 template <typename T, typename Action>
 void follow(const Seat& seat, Action&& action) {
   wire::Bus bus(bus_settings(seat));
   wire::Reader<T> reader(bus, 1024);
   T sample{};
+  RefusalTeller refusals;
   bool go_on = true;
   if (!wait_until(kDiscovery, [&] { return reader.matched_writers() > 0; })) {
     fmt::print(stderr, "c3rt: nobody writes {} on domain {} yet; waiting\n", wire::topic<T>().name,
@@ -130,6 +160,7 @@ void follow(const Seat& seat, Action&& action) {
       go_on = action(&sample, reader);
     }
     if (!any) go_on = action(nullptr, reader);
+    refusals.look(bus);
   }
 }
 
@@ -138,6 +169,7 @@ void follow(const Seat& seat, Action&& action) {
 wire::BusSettings bus_settings(const Seat& seat) {
   wire::BusSettings bus;
   bus.domain = seat.domain;
+  bus.shares_clock = false;  // the seat may be on another host
   const auto instance = holder(runtime_directory(), seat.domain);
   bus.profile_uri = instance && !instance->profile.empty()
                         ? instance->profile

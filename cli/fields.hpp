@@ -9,7 +9,7 @@
 namespace c3rt::cli {
 
 /// A visitor is called with (name, value), where a value is a number, an enumerator, an array or
-/// text. `matrix` gets the used part of an array that is larger than most samples need.
+/// text. `matrix` and `list` get the used part of an array that is larger than most samples need.
 template <typename Visitor>
 void visit_origin(const wire::Origin& origin, Visitor& visit) {
   visit("exposure_ns", origin.exposure_ns);
@@ -147,6 +147,7 @@ void visit_fields(const wire::ServiceStatus& s, Visitor& visit) {
   visit_quantiles("compute_p50_s", "compute_p99_s", "compute_max_s", s.compute, visit);
   for (int i = 0; i < c3rt_v2_COUNTERS && s.counter_names[i][0] != '\0'; ++i)
     visit(s.counter_names[i], s.counters[i]);
+  visit.list("refused", s.refused, wire::refused_kinds(s));
 }
 
 template <typename Visitor>

@@ -155,7 +155,7 @@ void Recorder::record() {
     wire::Loop loop(bus, {c3rt_v1_PROCESS_RECORDER, kPeriod});
     std::int64_t now_ns = 0;
     while (!stop_.load() && !done_.load() && loop.wait(now_ns)) {
-      if (take_all(topics)) done_.store(true);
+      if (take_all(topics, bus)) done_.store(true);
     }
     const std::lock_guard lock(mutex_);
     failure_ = loop.failure();
@@ -163,7 +163,7 @@ void Recorder::record() {
     // waking for every sample would cost a tenth of a core; the readers are deep enough to look now
     // and then
     while (!stop_.load() && !done_.load()) {
-      if (take_all(topics)) done_.store(true);
+      if (take_all(topics, bus)) done_.store(true);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
@@ -174,7 +174,7 @@ void Recorder::record() {
   }
 }
 
-bool Recorder::take_all(Topics& topics) {
+bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   const auto drain = [](auto& reader, auto& log, auto& rows, auto& sample) {
     bool any = false;
     while (reader.take(sample)) {
@@ -226,8 +226,10 @@ bool Recorder::take_all(Topics& topics) {
       topics.course.add(seconds(row.time_ns - *topics.task_start), row);
   }
 
+  std::vector<wire::RefusedCount> refused = bus.refusals();
   wire::ServiceStatus status{};
   const std::lock_guard lock(mutex_);
+  live_.refused = std::move(refused);
   while (topics.status.take(status)) {
     const auto process = static_cast<std::size_t>(status.process);
     if (process < live_.services.size()) live_.services[process] = status;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "cli/report/metrics.hpp"
 #include "idl/dds.hpp"
@@ -34,6 +35,7 @@ struct Live {
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
   std::uint64_t steps = 0;     // 1 kHz cycles of the plant so far
+  std::vector<wire::RefusedCount> refused;  // by the recorder itself
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
 };
 
@@ -70,7 +72,7 @@ class Recorder {
   struct Topics;
   void run() noexcept;
   void record();
-  bool take_all(Topics& topics);  // true when the goal is reached
+  bool take_all(Topics& topics, const wire::Bus& bus);  // true when the goal is reached
 
   const wire::BusSettings settings_;
   const std::filesystem::path directory_;

@@ -152,6 +152,11 @@ int run(const LaunchSettings& settings) {
                             fmt::format("{} ({})", scenario.name, settings.clock_name()));
   }
 
+  for (const wire::RefusedCount& refused : live.refused) {
+    fmt::print(stderr, "c3rt: the recorder refused {} samples of {} ({}) from {}: {}\n",
+               refused.count, refused.topic, reason_name(refused.reason), refused.from,
+               refused.latest);
+  }
   fmt::print("\n{}", summary(report));
   if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
   fmt::print("  {:<22}{}\n", settings.pictures ? "report and pictures" : "report",

@@ -64,6 +64,14 @@ std::string service_table(
                     status->rate_hz, status->wakeup_latency.p99_s * 1e3,
                     status->compute.p99_s * 1e3, counter(*status, "missed_cycles"), status->text);
   }
+  for (const auto& status : services) {
+    for (int i = 0; status && i < wire::refused_kinds(*status); ++i) {
+      const wire::RefusedSamples& refused = status->refused[i];
+      text += fmt::format("  {} refused {} samples of {} ({}), the newest: {}\n",
+                          wire::process_name(status->process), refused.count, refused.topic,
+                          refused.reason, refused.latest);
+    }
+  }
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -11,6 +12,7 @@
 #include <sched.h>
 
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/one_writer.hpp"
 #include "idl/peers.hpp"
 #include "idl/qos.hpp"
 
@@ -19,6 +21,9 @@ namespace c3rt::wire {
 namespace {
 
 constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
+// a writer of a periodic topic that misses so many of its deadlines in a row is gone
+constexpr double kMissedDeadlines = 5.0;
+constexpr double kSilence_s = 0.5;  // of a topic without a deadline
 
 Entity created(dds_entity_t handle, const std::string& what) {
   if (handle < 0) throw WireError("cannot create " + what + ": " + dds_strretcode(handle));
@@ -102,6 +107,21 @@ class Waiter {
   Entity waitset_, guard_;
 };
 
+/// Who writes: the process (its DDS participant), and the strength that it offers.
+struct Owner {
+  dds_instance_handle_t participant;
+  std::int32_t strength;
+};
+Owner owner_of(dds_entity_t reader, dds_instance_handle_t writer) noexcept {
+  Owner owner{writer, 0};
+  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
+  if (endpoint == nullptr) return owner;  // it has gone already
+  owner.participant = endpoint->participant_instance_handle;
+  if (endpoint->qos != nullptr) dds_qget_ownership_strength(endpoint->qos, &owner.strength);
+  dds_builtintopic_free_endpoint(endpoint);
+  return owner;
+}
+
 constexpr int kBusPriority = 60;  // servo threads run at 70 and above
 
 /// While it lives, threads made by the calling one (Cyclone's) inherit the bus's priority.
@@ -144,7 +164,8 @@ struct Bus::Implementation {
         domain(s.domain, s.profile_uri),
         participant(created(dds_create_participant(s.domain, nullptr, nullptr),
                             "a participant in DDS domain " + std::to_string(s.domain))),
-        waiter(participant.handle(), "the bus") {}
+        waiter(participant.handle(), "the bus"),
+        peers(participant.handle()) {}
 
   void add(const Endpoint& endpoint) {
     const std::lock_guard lock(endpoints_mutex);
@@ -158,7 +179,20 @@ struct Bus::Implementation {
         endpoints.end());
   }
 
+  /// Whether a new writer of that topic may tell of a new plant. What moves the robot goes first: once the robot's
+  /// state has been heard, no scene tells of another plant.
+  bool may_tell(Stream stream) const noexcept {
+    return settings.session_id == 0 &&
+           (stream == Stream::kRobotState || session_told_by.load() != Stream::kRobotState);
+  }
+  void adopt(std::uint64_t id, Stream told_by) noexcept {
+    if (!may_tell(told_by)) return;
+    session_told_by.store(told_by);
+    session.store(id);
+  }
+
   BusSettings settings;
+  std::atomic<Stream> session_told_by{Stream::kNone};
   std::atomic<std::uint64_t> session;
   std::array<std::atomic<std::uint64_t>, c3rt_v1_TOPIC_COUNT> written{};
   bool held_back = false;
@@ -168,7 +202,8 @@ struct Bus::Implementation {
   std::vector<ReaderBase*> readers;  // those that wake the bus
   std::mutex endpoints_mutex;
   std::vector<Endpoint> endpoints;
-  std::unique_ptr<Peers> peers;
+  std::vector<const ReaderBase*> all_readers;  // under the same mutex
+  Peers peers;
 };
 
 Bus::Bus(const BusSettings& settings) {
@@ -184,16 +219,33 @@ std::uint64_t Bus::session_id() const noexcept {
 }
 
 void Bus::adopt_session(std::uint64_t id) noexcept {
-  std::uint64_t known = implementation_->session.load();
-  while (known < id && !implementation_->session.compare_exchange_weak(known, id)) {
-  }
+  implementation_->adopt(id, Stream::kRobotState);
 }
 
 std::vector<PeerProblem> Bus::problems() const {
   const std::lock_guard lock(implementation_->endpoints_mutex);
-  if (implementation_->peers == nullptr)
-    implementation_->peers = std::make_unique<Peers>(participant());
-  return implementation_->peers->problems(implementation_->endpoints);
+  return implementation_->peers.problems(implementation_->endpoints);
+}
+
+std::vector<RefusedCount> Bus::refusals() const {
+  const std::lock_guard lock(implementation_->endpoints_mutex);
+  std::vector<RefusedCount> result;
+  for (const ReaderBase* reader : implementation_->all_readers) {
+    for (int i = 1; i < kReasonCount; ++i) {
+      const RefusedCount found = reader->refusal(static_cast<Reason>(i));
+      if (found.count == 0) continue;
+      const auto same = std::find_if(result.begin(), result.end(), [&](const RefusedCount& known) {
+        return known.topic == found.topic && known.reason == found.reason;
+      });
+      // several readers of one topic have refused the same samples
+      if (same == result.end()) {
+        result.push_back(found);
+      } else if (same->count < found.count) {
+        *same = found;
+      }
+    }
+  }
+  return result;
 }
 
 void Bus::wait_for_data(std::int64_t timeout_ns) {
@@ -266,14 +318,29 @@ bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t t
   return true;
 }
 
+/// What was accepted from one writer.
+struct ReaderBase::Source {
+  dds_instance_handle_t writer = 0;
+  std::uint64_t session = 0;
+  Owner owner{0, 0};
+  std::uint64_t newest = 0;  // of the pumps before this one; 0: new
+  std::uint64_t first_arrived = 0, last_arrived = 0, arrived = 0;  // in this pump
+};
+
 struct ReaderBase::Implementation {
-  /// What was accepted from one writer.
-  struct Source {
-    dds_instance_handle_t writer = 0;
-    std::uint64_t session = 0;
-    std::uint64_t newest = 0;  // of the pumps before this one; 0: new
-    std::uint64_t first_arrived = 0, last_arrived = 0, arrived = 0;  // in this pump
-  };
+  Implementation(const Bus& bus, const Topic& of)
+      : one_writer(silence_ns(bus, of),
+                   // no stranger enters a run that shall give the same bits every time
+                   bus.clock() == ClockMode::kLockstep ? kProcessStrength
+                                                       : std::numeric_limits<std::int32_t>::min()) {
+  }
+
+  static std::int64_t silence_ns(const Bus& bus, const Topic& of) {
+    if (bus.clock() == ClockMode::kLockstep) return 0;
+    const double seconds = of.deadline_s > 0.0 ? kMissedDeadlines * of.deadline_s : kSilence_s;
+    return static_cast<std::int64_t>(seconds * 1e9);
+  }
+
   struct Entry {
     int slot;
     int source;
@@ -284,20 +351,21 @@ struct ReaderBase::Implementation {
   Source& source_of(dds_instance_handle_t writer, std::uint64_t session) noexcept {
     for (Source& source : sources) {
       if (source.writer != writer) continue;
-      if (source.session != session) source = {writer, session};
+      if (source.session != session) source = {writer, session, source.owner};
       return source;
     }
     // more writers than places: the oldest place is reused, and that writer's next gap goes
     // unnoticed
     Source& source = sources[next_source];
     next_source = (next_source + 1) % kSources;
-    source = {writer, session};
+    source = {writer, session, owner_of(reader.handle(), writer)};
     return source;
   }
   Entry& entry(int i) noexcept { return entries[static_cast<std::size_t>((head + i) % capacity)]; }
 
   Entity topic, reader, condition;
   std::unique_ptr<Waiter> waiter;  // Wakes::kItself
+  OneWriter one_writer;
   std::array<Source, kSources> sources{};
   int next_source = 0;
 
@@ -306,7 +374,19 @@ struct ReaderBase::Implementation {
   int capacity = 0, head = 0, count = 0;
   std::uint64_t allowed = kNoLimit;  // sequence number up to which a stream's samples are given out
 
-  std::atomic<std::uint64_t> received{0}, lost{0}, other_session{0}, out_of_order{0};
+  std::atomic<std::uint64_t> received{0}, lost{0};
+
+  /// The newest refusal for one reason that was looked at.
+  struct Finding {
+    Refusal refusal;
+    std::uint64_t session = 0;   // that the sample named
+    std::uint64_t expected = 0;  // that it should have
+    dds_instance_handle_t writer = 0;
+    std::string from;
+  };
+  std::array<std::atomic<std::uint64_t>, kReasonCount> refused{};
+  mutable std::mutex findings_mutex;
+  std::array<Finding, kReasonCount> findings;
 };
 
 int ReaderBase::queue_depth(const Bus& bus, const Topic& topic, int depth) {
@@ -317,7 +397,7 @@ int ReaderBase::queue_depth(const Bus& bus, const Topic& topic, int depth) {
 
 ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
                        std::optional<Process> addressee)
-    : bus_(bus), topic_(topic), implementation_(std::make_unique<Implementation>()) {
+    : bus_(bus), topic_(topic), implementation_(std::make_unique<Implementation>(bus, topic)) {
   Implementation& self = *implementation_;
   const int kept = queue_depth(bus, topic, depth);
   self.capacity = kept + 1;
@@ -342,11 +422,18 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
     self.waiter->attach(self.condition);
   }
   bus.implementation_->add({&topic_, self.reader.handle(), false});
+  const std::lock_guard lock(bus.implementation_->endpoints_mutex);
+  bus.implementation_->all_readers.push_back(this);
 }
 
 ReaderBase::~ReaderBase() {
   Implementation& self = *implementation_;
   bus_.implementation_->remove(self.reader.handle());
+  {
+    const std::lock_guard lock(bus_.implementation_->endpoints_mutex);
+    auto& all = bus_.implementation_->all_readers;
+    all.erase(std::remove(all.begin(), all.end(), this), all.end());
+  }
   if (self.waiter != nullptr) {
     self.waiter->detach(self.condition);
     return;
@@ -358,8 +445,10 @@ ReaderBase::~ReaderBase() {
 
 ReaderCounters ReaderBase::counters() const noexcept {
   const Implementation& self = *implementation_;
-  return {self.received.load(), self.lost.load(), self.other_session.load(),
-          self.out_of_order.load()};
+  ReaderCounters counters{self.received.load(), self.lost.load(), {}};
+  for (std::size_t i = 0; i < counters.refused.size(); ++i)
+    counters.refused[i] = self.refused[i].load();
+  return counters;
 }
 
 int ReaderBase::matched_writers() const {
@@ -387,47 +476,108 @@ void ReaderBase::allow(std::uint64_t seq) noexcept {
   if (topic_.stream != Stream::kNone) implementation_->allowed = seq;
 }
 
-bool ReaderBase::believe(std::uint64_t session) noexcept {
+Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept {
+  Implementation& self = *implementation_;
   const std::uint64_t ours = bus_.session_id();
-  if (session == ours || session == 0) return true;
-  if (session < ours) return false;
-  // only a plant draws sessions, so a newer one is a newer plant, whoever tells of it first; a
-  // client knows none
-  if (topic_.qos == Qos::kEvent) return true;
-  // who draws the session itself (the plant) adopts no other
-  if (bus_.implementation_->settings.session_id != 0) return false;
-  bus_.adopt_session(session);
-  return true;
+  const std::uint64_t theirs = header.session_id;
+  if (!topic_.writer) {
+    // a client may know no session, and neither does a process that has not heard the plant
+    return theirs == 0 || ours == 0 || theirs == ours ? Reason::kNone : Reason::kOtherSession;
+  }
+  // a session begins with the plant, so it is told by whom this process takes for the plant, and by nobody else;
+  // a plant that was started again is another writer
+  Bus::Implementation& bus = *bus_.implementation_;
+  const bool of_plant = topic_.writer == c3rt_v1_PROCESS_PLANT;
+  const bool new_plant = of_plant && bus.may_tell(topic_.stream) && source.owner.participant != self.one_writer.leader();
+  if (theirs == 0 || (theirs != ours && ours != 0 && !new_plant)) {
+    return self.one_writer.has_other_than(source.owner.participant, now_ns) ? Reason::kSecondWriter
+                                                                 : Reason::kOtherSession;
+  }
+  if (!self.one_writer.admits(source.owner.participant, source.owner.strength, now_ns)) return Reason::kSecondWriter;
+  if (of_plant && theirs != ours) bus.adopt(theirs, topic_.stream);
+  return Reason::kNone;
+}
+
+void ReaderBase::refuse(const Refusal& refusal, const Header& header,
+                        const Source& source) noexcept {
+  Implementation& self = *implementation_;
+  const auto reason = static_cast<std::size_t>(refusal.reason);
+  self.refused[reason].fetch_add(1, std::memory_order_relaxed);
+  // what is being read is not waited for: the next refusal comes
+  const std::unique_lock lock(self.findings_mutex, std::try_to_lock);
+  if (!lock) return;
+  Implementation::Finding& finding = self.findings[reason];
+  finding.refusal = refusal;
+  finding.session = header.session_id;
+  finding.expected = bus_.session_id();
+  if (finding.writer == source.writer) return;
+  finding.writer = source.writer;
+  finding.from = bus_.implementation_->peers.name_of_writer(self.reader.handle(), source.writer);
+}
+
+RefusedCount ReaderBase::refusal(Reason reason) const {
+  const Implementation& self = *implementation_;
+  const auto i = static_cast<std::size_t>(reason);
+  RefusedCount result{topic_.name, reason, self.refused[i].load(), "", ""};
+  if (result.count == 0) return result;
+  const std::lock_guard lock(self.findings_mutex);
+  const Implementation::Finding& finding = self.findings[i];
+  result.from = finding.from;
+  result.latest = to_text(finding.refusal);
+  if (reason == Reason::kOtherSession) {
+    result.latest = "session " + std::to_string(finding.session) + ", expected " +
+                    (finding.expected == 0 ? "the plant's" : std::to_string(finding.expected));
+  }
+  return result;
 }
 
 int ReaderBase::pump() noexcept {
   Implementation& self = *implementation_;
+  const bool realtime = bus_.clock() == ClockMode::kRealtime;
   int fresh = 0;  // entries of this pump, at the end of the queue
   int accepted = 0;
+  bool any = false;
   while (true) {
     // the entry behind the last one owns a free slot
-    void* sample = sample_at(self.entry(self.count).slot);
+    const int slot = self.entry(self.count).slot;
+    void* sample = sample_at(slot);
     dds_sample_info_t info;
     if (dds_take(self.reader.handle(), &sample, &info, 1, 1) != 1) break;
     if (!info.valid_data) continue;  // a writer came or went
-    Implementation::Entry& entry = self.entry(self.count);
-    const Header& header = header_at(entry.slot);
-    if (!believe(header.session_id)) {
-      self.other_session.fetch_add(1, std::memory_order_relaxed);
+    const Header& header = header_at(slot);
+    Source& source = self.source_of(info.publication_handle, header.session_id);
+    const std::int64_t now_ns = realtime ? rt::now_ns() : 0;
+    const std::int64_t latest_ns = realtime && bus_.implementation_->settings.shares_clock
+                                       ? now_ns + kAhead_ns
+                                       : std::numeric_limits<std::int64_t>::max();
+    Refusal refusal = validate(header, topic_.writer.has_value(), latest_ns);
+    const Refusal value = refusal ? Refusal{} : check(slot);
+    // nonsense makes nobody the writer of a topic
+    const bool stranger =
+        topic_.writer && source.owner.participant != self.one_writer.leader();
+    if (stranger && value) refusal = value;
+    if (!refusal) refusal.reason = judge(header, source, now_ns);
+    if (!refusal && source.newest != 0 && header.seq <= source.newest)
+      refusal.reason = Reason::kOldSequence;
+    if (refusal) {
+      refuse(refusal, header, source);
       continue;
     }
-    Implementation::Source& source = self.source_of(info.publication_handle, header.session_id);
-    if (source.newest != 0 && header.seq <= source.newest) {
-      self.out_of_order.fetch_add(1, std::memory_order_relaxed);
-      continue;
-    }
-    entry.source = static_cast<int>(&source - self.sources.data());
-    entry.session = header.session_id;
-    entry.seq = header.seq;
+    // it has arrived, whether it is of use or not
+    any = true;
     source.first_arrived =
         source.arrived == 0 ? header.seq : std::min(source.first_arrived, header.seq);
     source.last_arrived = std::max(source.last_arrived, header.seq);
     ++source.arrived;
+    if (value) {
+      refuse(value, header, source);
+      keep_refused(slot, value);
+      continue;
+    }
+    Implementation::Entry& entry = self.entry(self.count);
+    entry.source = static_cast<int>(&source - self.sources.data());
+    entry.session = header.session_id;
+    entry.seq = header.seq;
     ++self.count;
     ++fresh;
     ++accepted;
@@ -442,9 +592,9 @@ int ReaderBase::pump() noexcept {
       fresh = std::min(fresh, self.count);
     }
   }
-  if (accepted == 0) return 0;
+  if (!any) return 0;
   self.received.fetch_add(static_cast<std::uint64_t>(accepted), std::memory_order_relaxed);
-  for (Implementation::Source& source : self.sources) {
+  for (Source& source : self.sources) {
     if (source.arrived == 0) continue;
     // what a writer wrote before it was first heard is not lost
     const std::uint64_t expected =
@@ -452,7 +602,10 @@ int ReaderBase::pump() noexcept {
     if (expected > source.arrived)
       self.lost.fetch_add(expected - source.arrived, std::memory_order_relaxed);
     source.newest = source.last_arrived;
-    if (source.session == bus_.session_id() || source.session == 0) newest_seq_ = source.newest;
+    const std::uint64_t ours = bus_.session_id();
+    const bool leads = !topic_.writer || source.owner.participant == self.one_writer.leader();
+    if (leads && (source.session == ours || source.session == 0 || ours == 0))
+      newest_seq_ = source.newest;
     source.arrived = 0;
   }
   return accepted;
@@ -462,9 +615,11 @@ int ReaderBase::front() noexcept {
   Implementation& self = *implementation_;
   while (self.count > 0) {
     const Implementation::Entry& entry = self.entry(0);
-    // the plant may have restarted since the sample was queued
-    if (entry.session != 0 && entry.session < bus_.session_id()) {
-      self.other_session.fetch_add(1, std::memory_order_relaxed);
+    // the plant may have restarted since the sample was queued, or been heard for the first time
+    const std::uint64_t ours = bus_.session_id();
+    if (entry.session != 0 && ours != 0 && entry.session != ours) {
+      refuse({Reason::kOtherSession}, header_at(entry.slot),
+             self.sources[static_cast<std::size_t>(entry.source)]);
       pop();
       continue;
     }

@@ -1,6 +1,7 @@
 #pragma once
 // The one layer over Cyclone DDS: participant, writer, reader. Only files of idl/ include
 // <dds/...>.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -8,9 +9,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "idl/topics.hpp"
+#include "idl/validate.hpp"
 
 namespace c3rt::wire {
 
@@ -27,7 +30,10 @@ struct BusSettings {
   std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's
                             // CYCLONEDDS_URI
   ClockMode clock = ClockMode::kRealtime;
-  std::uint64_t session_id = 0;  // 0: adopt the newest that is heard
+  std::uint64_t session_id = 0;  // 0: adopt the plant's
+  /// This process has the clock that the samples' times are of. A client on another host has not, and then no sample
+  /// is refused for lying ahead.
+  bool shares_clock = true;
 };
 
 /// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every
@@ -56,6 +62,15 @@ struct PeerProblem {
                      // offers BEST_EFFORT"
 };
 
+/// Samples that the readers of a process refused, of one topic and for one reason.
+struct RefusedCount {
+  std::string topic;
+  Reason reason;
+  std::uint64_t count;
+  std::string latest;  // of the newest that was looked at: what came and what was expected
+  std::string from;    // its writer: "python3 (pid 12)"
+};
+
 class ReaderBase;
 class WriterBase;
 
@@ -72,7 +87,9 @@ class Bus {
   std::int32_t participant() const;
   ClockMode clock() const;
   std::uint64_t session_id() const noexcept;      // 0 until the plant was heard
-  void adopt_session(std::uint64_t id) noexcept;  // keeps the larger of both
+  void adopt_session(std::uint64_t id) noexcept;  // as if the plant had told it
+  /// What the readers of this bus have refused since their start, by topic and reason. From any thread.
+  std::vector<RefusedCount> refusals() const;
   /// Peers that discovery shows on our topics and that can never be served: incompatible QoS or
   /// types.
   std::vector<PeerProblem> problems() const;
@@ -139,10 +156,17 @@ class Writer : public WriterBase {
 
 struct ReaderCounters {
   std::uint64_t received = 0;
-  std::uint64_t lost = 0;           // gaps in the sequence
-  std::uint64_t other_session = 0;  // dropped: from an older session
-  std::uint64_t out_of_order = 0;   // dropped: sequence number not newer
+  std::uint64_t lost = 0;  // gaps in the sequence
+  std::array<std::uint64_t, kReasonCount> refused{};
+  std::uint64_t refused_for(Reason reason) const noexcept {
+    return refused[static_cast<std::size_t>(reason)];
+  }
 };
+
+/// Requests: what is refused for its value is kept, so that it can be answered.
+template <typename T>
+constexpr bool kAnswered = std::is_same_v<T, TaskTarget> || std::is_same_v<T, FaultInject> ||
+                           std::is_same_v<T, ServiceRequest>;
 
 /// Whom a reader's new sample wakes.
 enum class Wakes {
@@ -174,11 +198,13 @@ class ReaderBase {
 
   virtual void* sample_at(int slot) noexcept = 0;
   virtual Header& header_at(int slot) noexcept = 0;
+  virtual Refusal check(int slot) const noexcept = 0;                     // validate() of its type
+  virtual void keep_refused(int slot, const Refusal& why) noexcept = 0;  // of a request
 
   /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the
-  /// rules: a newer session is adopted (not from clients' events), samples of an older one are
-  /// dropped, session 0 is a client's and always accepted; the sequence of one writer must grow.
-  /// @return number of samples accepted. No heap beyond Cyclone's.
+  /// rules: values, one writer, the plant's session (0 is a client's, where clients may write), a
+  /// growing sequence of each writer. What they refuse is counted by reason, with its writer's name.
+  /// @return number of samples accepted. No heap beyond Cyclone's while nothing new is refused.
   int pump() noexcept;
   /// The slot of the oldest queued sample that may be given out; -1 if there is none.
   int front() noexcept;
@@ -191,7 +217,11 @@ class ReaderBase {
  private:
   friend class Bus;
   struct Implementation;
-  bool believe(std::uint64_t session) noexcept;  // the session rule
+  struct Source;
+  /// Whether the sample is let in as far as its writer and its session go.
+  Reason judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept;
+  void refuse(const Refusal& refusal, const Header& header, const Source& source) noexcept;
+  RefusedCount refusal(Reason reason) const;  // what is known of it
   void allow(std::uint64_t seq) noexcept;        // lockstep: give out samples up to here
 
   std::uint64_t newest_seq_ = 0;
@@ -216,6 +246,16 @@ class Reader : public ReaderBase {
     if (slot < 0) return false;
     out = slots_[slot];
     pop();
+    return true;
+  }
+  /// Requests: the next one that was refused for its value, to be answered with the reason. At most 8 are kept.
+  bool take_refused(T& out, Refusal& why) noexcept {
+    static_assert(kAnswered<T>);
+    pump();
+    if (oldest_refused_ == newest_refused_) return false;
+    const Refused& refused = refused_[oldest_refused_++ % kRefused];
+    out = refused.sample;
+    why = refused.why;
     return true;
   }
   /// Newest sample; older ones are dropped.
@@ -249,8 +289,22 @@ class Reader : public ReaderBase {
  private:
   void* sample_at(int slot) noexcept override { return &slots_[slot]; }
   Header& header_at(int slot) noexcept override { return slots_[slot].header; }
+  Refusal check(int slot) const noexcept override { return validate(slots_[slot]); }
+  void keep_refused(int slot, const Refusal& why) noexcept override {
+    if constexpr (kAnswered<T>) {
+      refused_[newest_refused_++ % kRefused] = {slots_[slot], why};
+      oldest_refused_ = std::max(oldest_refused_ + kRefused, newest_refused_) - kRefused;
+    }
+  }
 
+  static constexpr std::size_t kRefused = 8;
+  struct Refused {
+    T sample;
+    Refusal why;
+  };
   std::vector<T> slots_;
+  std::array<Refused, kAnswered<T> ? kRefused : 0> refused_{};
+  std::size_t newest_refused_ = 0, oldest_refused_ = 0;
 };
 
 }  // namespace c3rt::wire

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include <unistd.h>
+
 #include "controller/rt/periodic_clock.hpp"
 
 namespace c3rt::wire {
@@ -54,6 +56,12 @@ std::string property(const dds_qos_t* qos, const char* key) {
   return result;
 }
 
+std::string own_host() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
 std::vector<dds_instance_handle_t> matched(const Endpoint& endpoint) {
   std::vector<dds_instance_handle_t> handles(kMaxPeers);
   const dds_return_t count =
@@ -80,8 +88,20 @@ std::string Peers::name_of(const dds_guid_t& participant) const {
         if (std::memcmp(peer.key.v, participant.v, sizeof participant.v) != 0) return;
         const std::string process = property(peer.qos, "__ProcessName");
         const std::string pid = property(peer.qos, "__Pid");
-        if (!process.empty()) name = process + (pid.empty() ? "" : " (pid " + pid + ")");
+        if (process.empty()) return;
+        const std::string host = property(peer.qos, "__Hostname");
+        name = process;
+        if (!pid.empty())
+          name += " (pid " + pid + (host.empty() || host == own_host() ? "" : " on " + host) + ")";
       });
+  return name;
+}
+
+std::string Peers::name_of_writer(std::int32_t reader, std::uint64_t writer) const {
+  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
+  if (endpoint == nullptr) return "a process that has gone";
+  const std::string name = name_of(endpoint->participant_key);
+  dds_builtintopic_free_endpoint(endpoint);
   return name;
 }
 

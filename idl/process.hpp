@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -76,10 +77,13 @@ class LockstepMaster {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Publishes service/status at 10 Hz from a thread of its own; the loop only sets atomics.
+/// Publishes service/status at 10 Hz from a thread of its own; the loop only sets atomics. What goes wrong with peers
+/// and what readers refuse is told there, too.
 class StatusReporter {
  public:
-  StatusReporter(Bus& bus, Process process);
+  /// @param log gets a sentence for every new problem with a peer and every new kind of refused samples, from the
+  /// reporter's thread
+  StatusReporter(Bus& bus, Process process, std::function<void(const std::string&)> log = {});
   ~StatusReporter();  // publishes SERVICE_STOPPING (a SERVICE_FAILED stays)
   void set_state(c3rt_v1_ServiceState state, std::string_view text);  // not for the servo thread
   /// A named counter; the reference stays valid, incrementing it is wait-free.
@@ -111,12 +115,12 @@ void become_helper_thread(const char* name) noexcept;
 /// late however punctual the servo is.
 void become_bus_thread(const char* name) noexcept;
 
-/// DDS -> servo thread. Realtime: a helper thread takes, the servo thread gets the newest,
+/// DDS -> servo thread, for topics with one writer. Realtime: a helper thread takes, the servo thread gets the newest,
 /// wait-free. Lockstep: no thread; the samples that the tick promised are taken directly.
 template <typename T>
 class Inlet {
  public:
-  explicit Inlet(Bus& bus)
+  explicit Inlet(Bus& bus)  // checks and refuses in its own thread, as every reader does
       : bus_(bus),
         realtime_(bus.clock() == ClockMode::kRealtime),
         reader_(bus, 64, realtime_ ? Wakes::kItself : Wakes::kBus) {
@@ -141,9 +145,7 @@ class Inlet {
     if (take_latest(early_[next_early_])) next_early_ = (next_early_ + 1) % kEarly;
     T* newest = nullptr;
     for (T& sample : early_) {
-      const bool current =
-          sample.header.session_id == 0 || sample.header.session_id == bus_.session_id();
-      if (!current) sample.header.seq = 0;
+      if (sample.header.session_id != bus_.session_id()) sample.header.seq = 0;
       const bool due = sample.header.seq != 0 && sample.header.time_ns <= now_ns;
       if (due && (newest == nullptr || sample.header.seq > newest->header.seq)) newest = &sample;
     }
@@ -160,8 +162,7 @@ class Inlet {
  private:
   bool take_latest(T& out) noexcept {
     if (!latest_.take(taken_)) return false;
-    const std::uint64_t session = taken_.header.session_id;
-    if (session != 0 && session != bus_.session_id()) return false;
+    if (taken_.header.session_id != bus_.session_id()) return false;
     out = taken_;
     return true;
   }

@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 
+#include "idl/one_writer.hpp"
+
 namespace c3rt::wire {
 
 namespace {
@@ -142,6 +144,7 @@ QosPointer writer_qos(const Topic& topic, ClockMode clock, std::optional<Process
     // a reader that is discovered after the first sample still gets it
     set_transient_local(qos.get(), kLockstepDepth);
   }
+  if (topic.writer) dds_qset_ownership_strength(qos.get(), kProcessStrength);
   // offered in both clocks, so that a realtime client can listen to a lockstep run
   if (topic.deadline_s > 0.0)
     dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));

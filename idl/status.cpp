@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstring>
+#include <functional>
+#include <iterator>
 #include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
@@ -15,6 +19,7 @@ namespace {
 
 constexpr std::int64_t kPeriod_ns = 100'000'000;
 constexpr int kProblemsEvery = 10;  // reports between two looks at the peers
+constexpr std::size_t kMostTold = 200;  // a peer with a new name every second shall fill no disk
 constexpr int kRateOver = 10;       // reports that the measured rate is averaged over
 
 Quantiles to_wire(const rt::Quantiles& quantiles) {
@@ -25,14 +30,30 @@ Quantiles to_wire(const rt::Quantiles& quantiles) {
 template <std::size_t Size>
 void copy(char (&target)[Size], std::string_view text) {
   const std::size_t length = std::min(text.size(), Size - 1);
-  std::memcpy(target, text.data(), length);
+  // a control letter would spoil a terminal, and readers refuse it
+  std::transform(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), target,
+                 [](char letter) {
+                   return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? ' ' : letter;
+                 });
   target[length] = '\0';
+}
+
+void show(const std::vector<RefusedCount>& refusals, RefusedSamples (&out)[c3rt_v2_REFUSALS]) {
+  for (std::size_t i = 0; i < std::size(out); ++i) {
+    out[i] = {};
+    if (i >= refusals.size()) continue;
+    copy(out[i].topic, refusals[i].topic);
+    copy(out[i].reason, reason_name(refusals[i].reason));
+    out[i].count = refusals[i].count;
+    copy(out[i].latest, refusals[i].latest + "; from " + refusals[i].from);
+  }
 }
 
 }  // namespace
 
 struct StatusReporter::Implementation {
-  Implementation(Bus& b, Process process) : bus(b), writer(b) {
+  Implementation(Bus& b, Process process, std::function<void(const std::string&)> l)
+      : bus(b), writer(b), log(std::move(l)) {
     status.process = process;
     status.pid = static_cast<std::int32_t>(getpid());
     status.state = c3rt_v1_SERVICE_STARTING;
@@ -54,6 +75,7 @@ struct StatusReporter::Implementation {
     become_helper_thread("status");
     for (int report = 0; !stop.load(); ++report) {
       if (report % kProblemsEvery == 0) look_at_peers();
+      look_at_refusals();
       {
         const std::lock_guard lock(mutex);
         measure_rate();
@@ -65,10 +87,29 @@ struct StatusReporter::Implementation {
 
   void look_at_peers() {
     std::string found;
-    for (const PeerProblem& problem : bus.problems())
+    for (const PeerProblem& problem : bus.problems()) {
       found += (found.empty() ? "" : "; ") + problem.text;
+      tell(problem.text, problem.text);
+    }
     const std::lock_guard lock(mutex);
     problems = found;
+  }
+
+  void look_at_refusals() {
+    const std::vector<RefusedCount> refusals = bus.refusals();
+    for (const RefusedCount& refused : refusals) {
+      const std::string kind = "refused " + refused.topic + " (" + reason_name(refused.reason) +
+                               ") from " + refused.from;
+      tell(kind, kind + ": " + refused.latest);
+    }
+    const std::lock_guard lock(mutex);
+    show(refusals, status.refused);
+  }
+
+  /// Once for each kind, however often it comes.
+  void tell(const std::string& kind, const std::string& sentence) {
+    if (log == nullptr || told.size() == kMostTold || !told.insert(kind).second) return;
+    log(sentence);
   }
 
   void measure_rate() {
@@ -100,6 +141,8 @@ struct StatusReporter::Implementation {
   std::mutex mutex;  // of what follows: set_state() and counter() against the thread
   ServiceStatus status{};
   std::string text, problems;
+  std::function<void(const std::string&)> log;
+  std::set<std::string> told;  // of the thread
   int names = 0;
   std::array<std::pair<std::int64_t, std::uint64_t>, kRateOver> history{};
   int reports = 0;
@@ -109,8 +152,9 @@ struct StatusReporter::Implementation {
   std::thread thread;
 };
 
-StatusReporter::StatusReporter(Bus& bus, Process process)
-    : implementation_(std::make_unique<Implementation>(bus, process)) {}
+StatusReporter::StatusReporter(Bus& bus, Process process,
+                               std::function<void(const std::string&)> log)
+    : implementation_(std::make_unique<Implementation>(bus, process, std::move(log))) {}
 StatusReporter::~StatusReporter() = default;
 
 void StatusReporter::set_state(c3rt_v1_ServiceState state, std::string_view text) {

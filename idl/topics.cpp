@@ -28,19 +28,36 @@ const char* process_name(Process process) {
 
 namespace {
 
-constexpr Topic kRobotState{"robot/state", &c3rt_v1_RobotState_desc, Qos::kStream,
-                            Stream::kRobotState, 0.02};
-constexpr Topic kRobotCommand{"robot/command", &c3rt_v1_RobotCommand_desc, Qos::kStream,
-                              Stream::kRobotCommand, 0.02};
-constexpr Topic kPlan{"plan", &c3rt_v1_Plan_desc, Qos::kPlan, Stream::kPlan, 0.0};
-constexpr Topic kBallDetection{"ball/detection", &c3rt_v1_BallDetection_desc, Qos::kStream,
-                               Stream::kBallDetection, 0.0};
-constexpr Topic kBallEstimate{"ball/estimate", &c3rt_v1_BallEstimate_desc, Qos::kStream,
-                              Stream::kBallEstimate, 0.1};
+constexpr Topic kRobotState{"robot/state",       &c3rt_v1_RobotState_desc,
+                            Qos::kStream,        Stream::kRobotState,
+                            0.02,                false,
+                            c3rt_v1_PROCESS_PLANT};
+constexpr Topic kRobotCommand{"robot/command",         &c3rt_v1_RobotCommand_desc,
+                              Qos::kStream,            Stream::kRobotCommand,
+                              0.02,                    false,
+                              c3rt_v1_PROCESS_IMPEDANCE};
+constexpr Topic kPlan{"plan",       &c3rt_v1_Plan_desc,
+                      Qos::kPlan,   Stream::kPlan,
+                      0.0,          false,
+                      c3rt_v1_PROCESS_PLANNER};
+constexpr Topic kBallDetection{"ball/detection",       &c3rt_v1_BallDetection_desc,
+                               Qos::kStream,           Stream::kBallDetection,
+                               0.0,                    false,
+                               c3rt_v1_PROCESS_VISION};
+constexpr Topic kBallEstimate{"ball/estimate",        &c3rt_v1_BallEstimate_desc,
+                              Qos::kStream,           Stream::kBallEstimate,
+                              0.1,                    false,
+                              c3rt_v1_PROCESS_VISION};
 constexpr Topic kTaskTarget{"task/target", &c3rt_v2_TaskTarget_desc, Qos::kEvent, Stream::kNone,
                             0.0};
-constexpr Topic kScene{"sim/scene", &c3rt_v1_Scene_desc, Qos::kStream, Stream::kScene, 0.0};
-constexpr Topic kTick{"sim/tick", &c3rt_v1_Tick_desc, Qos::kSync, Stream::kNone, 0.0, true};
+constexpr Topic kScene{"sim/scene",  &c3rt_v1_Scene_desc,
+                       Qos::kStream, Stream::kScene,
+                       0.0,          false,
+                       c3rt_v1_PROCESS_PLANT};
+constexpr Topic kTick{"sim/tick",    &c3rt_v1_Tick_desc,
+                      Qos::kSync,    Stream::kNone,
+                      0.0,           true,
+                      c3rt_v1_PROCESS_PLANT};
 constexpr Topic kDone{"sim/done", &c3rt_v1_Done_desc, Qos::kSync, Stream::kNone, 0.0};
 constexpr Topic kServiceStatus{"service/status", &c3rt_v2_ServiceStatus_desc, Qos::kStatus,
                                Stream::kNone, 0.0};

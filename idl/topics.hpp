@@ -1,6 +1,7 @@
 #pragma once
 // Every topic in one table: type, name, quality of service, writer and readers, rate.
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "c3rt.h"  // generated from idl/c3rt.idl
@@ -27,6 +28,13 @@ using FaultInject = c3rt_v2_FaultInject;
 using Process = c3rt_v1_Process;
 
 using Sequences = decltype(c3rt_v1_Tick::newest_seq);  // by Stream
+
+/// Kinds of refused samples that a status lists.
+inline int refused_kinds(const ServiceStatus& status) {
+  int count = 0;
+  while (count < c3rt_v2_REFUSALS && status.refused[count].topic[0] != '\0') ++count;
+  return count;
+}
 
 constexpr int kProcessCount = 5;
 const char* process_name(Process process);  // "plant", "impedance", "planner", "vision", "recorder"
@@ -61,6 +69,9 @@ struct Topic {
   /// Each sample is for one process: writers and readers may name it, and then it costs nobody else
   /// anything. Who names no process writes to and reads of all.
   bool addressed = false;
+  /// The one process that writes it, where there must be only one: what moves the robot and what that is made from.
+  /// A reader obeys one writer (one_writer.hpp), in the plant's session alone; others are refused and named.
+  std::optional<Process> writer = {};
 };
 
 template <typename T>

@@ -382,7 +382,8 @@ int run(int argc, char** argv) {
   wire::BusSettings settings = wire::bus_settings(*options);
   if (settings.session_id == 0) settings.session_id = wire::draw_session();
   wire::Bus bus(settings);
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT);
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT,
+                              [](const std::string& said) { spdlog::warn("{}", said); });
   const auto cycle = std::make_unique<Cycle>(scenario, options->seed, status);
   spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
                lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,

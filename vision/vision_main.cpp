@@ -72,7 +72,7 @@ class EmulatedSource : public Source {
     std::vector<Observation> seen(predictions.size());
     for (std::size_t ball = 0; ball < seen.size(); ++ball) {
       const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[ball]);
-      seen[ball].measurement = {scene_.header.time_ns, static_cast<int>(ball) < scene_.ball_count,
+      seen[ball].measurement = {scene_.header.time_ns, truth.norm() < kRange_m,
                                 sensor_.measure(truth)};
       seen[ball].cameras_used = 1;
     }
@@ -81,6 +81,7 @@ class EmulatedSource : public Source {
   void freeze(int, std::int64_t) override {}
 
  private:
+  static constexpr double kRange_m = 5.0;  // no camera of this table sees farther
   EmulatedSensor sensor_;
   wire::Scene scene_{};
 };
@@ -164,7 +165,8 @@ class Service {
         dropped_(status.counter("dropped_frames")),
         cameras_used_(status.counter("cameras_used")),
         lost_events_(status.counter("lost_events")),
-        restarts_(status.counter("restarts")) {
+        restarts_(status.counter("restarts")),
+        foreign_scenes_(status.counter("scenes_of_other_balls")) {
     const plant::World& world = scenario.plant.world;
     for (std::size_t i = 0; i < world.balls.size(); ++i) {
       estimators_.emplace_back(scenario.vision.estimator, world.balls[i].radius);
@@ -182,7 +184,7 @@ class Service {
     bool exposed = false;
     wire::Scene newest{};
     while (scenes_.take(scene)) {
-      if (!scene.exposure) continue;
+      if (!scene.exposure || !is_ours(scene)) continue;
       exposed = true;  // of several only the newest is worth its time
       newest = scene;
     }
@@ -236,6 +238,17 @@ class Service {
     }
     spdlog::info("fault kind={} index={} duration_s={}", static_cast<int>(fault.kind), fault.index,
                  fault.duration_s);
+  }
+
+  /// Of as many balls as the scenario has; told once where not.
+  bool is_ours(const wire::Scene& scene) {
+    const int ours = static_cast<int>(estimators_.size());
+    if (scene.ball_count == ours) return true;
+    ++foreign_scenes_;
+    if (foreign_scenes_ == 1)
+      spdlog::warn("the scene has {} balls, this scenario {}: not looked at", scene.ball_count,
+                   ours);
+    return false;
   }
 
   void process(const wire::Scene& scene) {
@@ -336,7 +349,8 @@ class Service {
   wire::Writer<wire::BallEstimate> estimates_;
   wire::Writer<wire::ServiceReply> replies_;
   wire::StatusReporter& status_;
-  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_;
+  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,
+      &foreign_scenes_;
   std::vector<Estimator> estimators_;
   std::vector<Eigen::Vector3d> start_;
   Faults faults_;
@@ -375,7 +389,8 @@ int run(int argc, char** argv) {
       config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
   wire::Bus bus(wire::bus_settings(*options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION);
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION,
+                              [](const std::string& said) { spdlog::warn("{}", said); });
   Service service(scenario, *options, bus, status);
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
                scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated",

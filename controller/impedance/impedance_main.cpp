@@ -48,7 +48,8 @@ int run(const config::ProcessOptions& options) {
   model::Arm arm(impedance::urdf_of(parameters));
 
   wire::Bus bus(wire::bus_settings(options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE);
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE,
+                              [](const std::string& said) { spdlog::warn("{}", said); });
   impedance::Servo servo(bus, parameters, std::move(arm), status.compute());
   impedance::Service service(bus, servo, status);
   // takes tens of milliseconds, so before the loop's grid starts

@@ -219,7 +219,8 @@ int run(const config::ProcessOptions& options) {
   const planner::Parameters& parameters = scenario.planner;
   const bool realtime = options.clock == config::Clock::kRealtime;
   wire::Bus bus(wire::bus_settings(options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANNER);
+  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANNER,
+                              [](const std::string& said) { spdlog::warn("{}", said); });
   auto& plans = status.counter("plans");
   auto& overruns = status.counter("overruns");
   auto& truncated = status.counter("truncated");

@@ -1,13 +1,19 @@
 #include "idl/dds.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <map>
+#include <string>
 #include <thread>
+#include <type_traits>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <dds/dds.h>
 
+#include "idl/one_writer.hpp"
 #include "tests/idl/bus_fixture.hpp"
+#include "tests/idl/samples.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace c3rt::wire {
@@ -16,26 +22,34 @@ namespace {
 using test::eventually;
 using test::kMs;
 using test::kSecond;
+using test::plain;
 
-/// A writer that fills in nothing: session and sequence are the test's.
+/// A writer that fills in nothing: session and sequence are the test's. What a client is, unless it is told to be as
+/// strong as a process.
 class RawWriter {
  public:
-  RawWriter(const Bus& bus, const Topic& topic, bool reliable = true) {
+  RawWriter(const Bus& bus, const Topic& topic, std::int32_t strength = 0) {
     const dds_entity_t handle =
         dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr);
     dds_qos_t* qos = dds_create_qos();
-    if (reliable) dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
     dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_SECS(5));
     dds_qset_deadline(qos, DDS_MSECS(1));
+    dds_qset_ownership_strength(qos, strength);
     writer_ = dds_create_writer(bus.participant(), handle, qos, nullptr);
     dds_delete_qos(qos);
   }
   template <typename T>
-  void write(T sample, std::uint64_t session, std::uint64_t seq) {
-    sample.header = {session, seq, 0};
+  void write(T sample, std::uint64_t session, std::uint64_t seq, std::int64_t time_ns = 1) {
+    sample.header = {session, seq, time_ns};
     REQUIRE(dds_write(writer_, &sample) == DDS_RETCODE_OK);
+  }
+  bool matched() const {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(writer_, &status);
+    return status.current_count > 0;
   }
 
  private:
@@ -61,13 +75,12 @@ T filled();
 template <>
 RobotState filled() {
   RobotState sample{};
-  sample.robot = 1;
   for (int i = 0; i < 7; ++i) sample.q_rad[i] = 0.1 * i;
   for (int i = 0; i < 7; ++i) sample.tau_nm[i] = -1.5 * i;
-  for (int i = 0; i < 4; ++i) sample.q_WE[i] = i;
+  for (int i = 0; i < 4; ++i) sample.q_WE[i] = i == 2 ? -0.5 : 0.5;
   sample.mode = c3rt_v1_ROBOT_REFLEX;
   sample.errors = 1ull << 63;
-  sample.command_state_ns = -5;
+  sample.command_state_ns = 5;
   return sample;
 }
 template <>
@@ -81,6 +94,8 @@ RobotCommand filled() {
 template <>
 Plan filled() {
   Plan sample{};
+  sample.valid_until_ns = kSecond;
+  sample.q_WE_desired[3] = -1.0;
   sample.status = c3rt_v1_PLAN_FALLBACK;
   sample.phase = c3rt_v1_PHASE_HOLD;
   for (int k = 0; k < c3rt_v1_MAX_HORIZON; ++k) {
@@ -105,7 +120,7 @@ BallEstimate filled() {
   BallEstimate sample{};
   sample.ball = 1;
   sample.valid = true;
-  for (int i = 0; i < 4; ++i) sample.q_WB[i] = -i;
+  for (int i = 0; i < 4; ++i) sample.q_WB[i] = i % 2 == 0 ? -0.5 : 0.5;
   return sample;
 }
 template <>
@@ -123,6 +138,7 @@ Scene filled() {
   sample.ball_count = 2;
   for (int b = 0; b < c3rt_v1_MAX_BALLS; ++b) {
     for (int i = 0; i < 3; ++i) sample.p_WB_m[b][i] = b + 0.1 * i;
+    sample.q_WB[b][b] = 1.0;
   }
   return sample;
 }
@@ -212,52 +228,102 @@ TEMPLATE_TEST_CASE("wire: what is written in one process is read in another, bit
   CHECK(reader.counters().lost == 0);
 }
 
-TEST_CASE("Reader: adopts the newest session of the plant and drops samples of an older one") {
-  Bus plants(test::settings()), bus(test::settings());
+TEST_CASE("Reader: the session is the plant's; one that was started again is another writer") {
+  Bus old_plant(test::settings()), new_plant(test::settings()), bus(test::settings());
   Reader<RobotState> states(bus);
-  RawWriter writer(plants, topic<RobotState>());
-  RobotState state{};
-  writer.write(state, 100, 1);
+  RawWriter before(old_plant, topic<RobotState>(), kProcessStrength);
+  const auto state = plain<RobotState>();
+  before.write(state, 300, 1);
   REQUIRE(take(states, 1).size() == 1);
-  CHECK(bus.session_id() == 100);
-  writer.write(state, 200, 2);
-  writer.write(state, 100, 3);
-  writer.write(state, 200, 4);
-  const auto samples = take(states, 2);
-  REQUIRE(samples.size() == 2);
-  CHECK(samples[0].header.seq == 2);
-  CHECK(samples[1].header.seq == 4);
+  CHECK(bus.session_id() == 300);
+  // the same writer has one session
+  before.write(state, 400, 2);
+  before.write(state, 300, 3);
+  REQUIRE(take(states, 1).at(0).header.seq == 3);
+  CHECK(bus.session_id() == 300);
+  CHECK(states.counters().refused_for(Reason::kOtherSession) == 1);
+  // the old plant is silent: the new one is believed, whatever its number
+  RawWriter after(new_plant, topic<RobotState>(), kProcessStrength);
+  RobotState taken{};
+  std::uint64_t seq = 0;
+  REQUIRE(eventually([&] {
+    after.write(state, 200, ++seq);
+    return states.take(taken);
+  }));
+  CHECK(taken.header.session_id == 200);
   CHECK(bus.session_id() == 200);
-  CHECK(states.counters().other_session == 1);
+  CHECK(states.counters().refused_for(Reason::kSecondWriter) > 0);
 }
 
-TEST_CASE("Reader: a newer session may be heard from any process first, but a client starts none") {
-  Bus peers(test::settings()), bus(test::settings());
+TEST_CASE("Reader: nobody but the plant begins a session") {
+  Bus peers(test::settings()), plant(test::settings()), bus(test::settings());
+  Reader<BallEstimate> estimates(bus);
   Reader<Plan> plans(bus);
   Reader<TaskTarget> targets(bus);
-  RawWriter plan_writer(peers, topic<Plan>()), target_writer(peers, topic<TaskTarget>());
+  Reader<ServiceStatus> statuses(bus);
+  RawWriter estimate_writer(peers, topic<BallEstimate>()), plan_writer(peers, topic<Plan>()),
+      target_writer(peers, topic<TaskTarget>()), status_writer(peers, topic<ServiceStatus>());
+  estimate_writer.write(plain<BallEstimate>(), ~0ull, 1);
+  plan_writer.write(plain<Plan>(), 1'800'000'000'000'000'000, 1);
   target_writer.write(TaskTarget{}, 500, 1);
   target_writer.write(TaskTarget{}, 0, 2);
-  CHECK(take(targets, 2).size() == 2);
-  CHECK(bus.session_id() == 0);
-  // in lockstep the plan of a tick may arrive before the tick itself: it must not be lost
-  plan_writer.write(Plan{}, 300, 1);
+  status_writer.write(ServiceStatus{}, 700, 1);
+  // before the plant is heard, everybody may be of its session: in lockstep the plan of a tick may arrive before the
+  // tick itself, and must not be lost
+  CHECK(take(estimates, 1).size() == 1);
   CHECK(take(plans, 1).size() == 1);
+  CHECK(take(targets, 2).size() == 2);
+  CHECK(take(statuses, 1).size() == 1);
+  CHECK(bus.session_id() == 0);
+  Reader<RobotState> states(bus);
+  RawWriter state_writer(plant, topic<RobotState>(), kProcessStrength);
+  state_writer.write(plain<RobotState>(), 300, 1);
+  CHECK(take(states, 1).size() == 1);
   CHECK(bus.session_id() == 300);
+  estimate_writer.write(plain<BallEstimate>(), ~0ull, 2);
+  plan_writer.write(plain<Plan>(), 1'800'000'000'000'000'000, 2);
+  plan_writer.write(plain<Plan>(), 0, 3);
+  plan_writer.write(plain<Plan>(), 300, 4);
   target_writer.write(TaskTarget{}, 200, 3);
   target_writer.write(TaskTarget{}, 300, 4);
-  const auto samples = take(targets, 1);
-  REQUIRE(samples.size() == 1);
-  CHECK(samples[0].header.seq == 4);
-  CHECK(targets.counters().other_session == 1);
+  CHECK(take(plans, 1).at(0).header.seq == 4);
+  CHECK(take(targets, 1).at(0).header.seq == 4);
+  CHECK(bus.session_id() == 300);
+  CHECK(plans.counters().refused_for(Reason::kOtherSession) == 2);
+  CHECK(targets.counters().refused_for(Reason::kOtherSession) == 1);
+  CHECK(eventually([&] {
+    BallEstimate estimate{};
+    return !estimates.take(estimate) &&
+           estimates.counters().refused_for(Reason::kOtherSession) == 1;
+  }));
+}
+
+TEST_CASE("Reader: once the robot's state was heard, a stranger's scene tells of no other plant") {
+  Bus stranger(test::settings()), plant(test::settings()), bus(test::settings());
+  Reader<RobotState> states(bus);
+  Reader<Scene> scenes(bus);
+  RawWriter wrong(stranger, topic<Scene>()), right(plant, topic<Scene>(), kProcessStrength),
+      state_writer(plant, topic<RobotState>(), kProcessStrength);
+  wrong.write(plain<Scene>(), 999, 1);
+  CHECK(take(scenes, 1).size() == 1);
+  CHECK(bus.session_id() == 999);  // the only plant that there is
+  state_writer.write(plain<RobotState>(), 300, 1);
+  CHECK(take(states, 1).size() == 1);
+  CHECK(bus.session_id() == 300);
+  wrong.write(plain<Scene>(), 999, 2);
+  right.write(plain<Scene>(), 300, 1);
+  const auto taken = take(scenes, 1);
+  REQUIRE(taken.size() == 1);
+  CHECK(taken[0].header.session_id == 300);
+  CHECK(bus.session_id() == 300);
 }
 
 TEST_CASE("Reader: the plant keeps its own session, whatever others claim") {
   Bus peers(test::settings()), plant(test::settings(ClockMode::kRealtime, 100));
   Reader<RobotState> states(plant);
   RawWriter writer(peers, topic<RobotState>());
-  writer.write(RobotState{}, 500, 1);
-  writer.write(RobotState{}, 100, 2);
+  writer.write(plain<RobotState>(), 500, 1);
+  writer.write(plain<RobotState>(), 100, 2);
   REQUIRE(take(states, 1).size() == 1);
   CHECK(plant.session_id() == 100);
 }
@@ -267,7 +333,7 @@ TEST_CASE("Reader: a plan queued before the plant restarted is not given out aft
   bus.adopt_session(100);
   Reader<Plan> plans(bus);
   RawWriter writer(peers, topic<Plan>());
-  writer.write(Plan{}, 100, 1);
+  writer.write(plain<Plan>(), 100, 1);
   REQUIRE(eventually([&] {
     bus.wait_for_data(10 * kMs);  // moves it to the queue
     return plans.counters().received == 1;
@@ -275,26 +341,190 @@ TEST_CASE("Reader: a plan queued before the plant restarted is not given out aft
   bus.adopt_session(200);
   Plan plan{};
   CHECK_FALSE(plans.take(plan));
-  CHECK(plans.counters().other_session == 1);
+  CHECK(plans.counters().refused_for(Reason::kOtherSession) == 1);
+}
+
+TEST_CASE("Reader: a second writer of what moves the robot is refused, counted and named") {
+  int go[2];
+  REQUIRE(pipe(go) == 0);
+  test::Child stranger([&] {
+    char word = 0;
+    if (read(go[0], &word, 1) != 1) return 1;
+    Bus bus(test::settings());
+    RawWriter writer(bus, topic<RobotCommand>());
+    auto wild = plain<RobotCommand>();
+    wild.tau_nm[0] = 87.0;
+    if (!eventually([&] { return writer.matched(); })) return 2;
+    // of no session, and of the right one
+    for (std::uint64_t i = 1; i <= 5; ++i) writer.write(wild, i == 1 ? 0 : 7, i);
+    sleep(20);
+    return 0;
+  });
+  Bus impedance(test::settings(ClockMode::kRealtime, 7)),
+      plant(test::settings(ClockMode::kRealtime, 7));
+  Writer<RobotCommand> commands(impedance);
+  Reader<RobotCommand> reader(plant);
+  REQUIRE(eventually([&] { return commands.matched_readers() == 1; }));
+  auto command = plain<RobotCommand>();
+  REQUIRE(commands.write(command, 1));
+  REQUIRE(take(reader, 1).size() == 1);
+  REQUIRE(write(go[1], "g", 1) == 1);
+  bool obeyed = false;
+  const bool refused = eventually([&] {
+    commands.write(command, 1);
+    RobotCommand taken{};
+    while (reader.take(taken)) obeyed = obeyed || taken.tau_nm[0] != 0.0;
+    return reader.counters().refused_for(Reason::kSecondWriter) == 5;
+  });
+  CHECK(refused);
+  CHECK_FALSE(obeyed);
+  const auto refusals = plant.refusals();
+  REQUIRE(refusals.size() == 1);
+  CHECK(refusals[0].topic == "robot/command");
+  CHECK(refusals[0].reason == Reason::kSecondWriter);
+  CHECK(refusals[0].count == 5);
+  CHECK_THAT(refusals[0].from, Catch::Contains("(pid " + std::to_string(stranger.pid()) + ")"));
+  close(go[0]);
+  close(go[1]);
+}
+
+TEST_CASE("Reader: the process's own writer is obeyed before a client that plays it") {
+  Bus client(test::settings()), planner(test::settings(ClockMode::kRealtime, 7)),
+      bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<Plan> reader(bus);
+  RawWriter played(client, topic<Plan>());
+  played.write(plain<Plan>(), 7, 1);
+  CHECK(take(reader, 1).size() == 1);  // nobody else plans
+  Writer<Plan> plans(planner);
+  REQUIRE(eventually([&] { return plans.matched_readers() == 1; }));
+  auto plan = plain<Plan>();
+  REQUIRE(plans.write(plan, 1));
+  CHECK(take(reader, 1).size() == 1);
+  played.write(plain<Plan>(), 7, 2);
+  REQUIRE(eventually([&] {
+    Plan taken{};
+    CHECK_FALSE(reader.take(taken));
+    return reader.counters().refused_for(Reason::kSecondWriter) == 1;
+  }));
+}
+
+TEST_CASE("Reader: in lockstep a client's plan is not obeyed even if it comes first") {
+  Bus client(test::settings(ClockMode::kLockstep)), planner(test::settings(ClockMode::kLockstep, 7)),
+      bus(test::settings(ClockMode::kLockstep, 7));
+  Reader<Plan> reader(bus);
+  RawWriter stray(client, topic<Plan>());
+  stray.write(plain<Plan>(), 7, 1);
+  REQUIRE(eventually([&] {
+    Plan taken{};
+    CHECK_FALSE(reader.take(taken));
+    return reader.counters().refused_for(Reason::kSecondWriter) == 1;
+  }));
+  Writer<Plan> plans(planner);
+  auto plan = plain<Plan>();
+  REQUIRE(plans.write(plan, 1));
+  CHECK(take(reader, 1).size() == 1);
+}
+
+TEST_CASE("Reader: what cannot be is refused by value, with what was expected") {
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<Plan> plans(bus);
+  Reader<Scene> scenes(bus);
+  Reader<BallEstimate> estimates(bus);
+  RawWriter plan_writer(client, topic<Plan>()), scene_writer(client, topic<Scene>()),
+      estimate_writer(client, topic<BallEstimate>());
+  auto plan = plain<Plan>();
+  plan.N = 1000000;
+  auto scene = plain<Scene>();
+  scene.ball_count = -1;
+  auto estimate = plain<BallEstimate>();
+  estimate.v_WB_m_per_s[1] = 1e6;
+  plan_writer.write(plan, 7, 1);
+  scene_writer.write(scene, 7, 1);
+  estimate_writer.write(estimate, 7, 1);
+  const auto refused = [&](auto& reader) {
+    std::decay_t<decltype(take(reader, 1)[0])> taken{};
+    CHECK_FALSE(reader.take(taken));
+    return reader.counters().refused_for(Reason::kValue) == 1;
+  };
+  REQUIRE(eventually([&] { return refused(plans) && refused(scenes) && refused(estimates); }));
+  std::map<std::string, std::string> text;
+  for (const RefusedCount& count : bus.refusals()) text[count.topic] = count.latest;
+  CHECK(text["plan"] == "N is 1000000, expected 0 to 10");
+  CHECK(text["sim/scene"] == "ball_count is -1, expected 0 to 4");
+  CHECK(text["ball/estimate"] == "v_WB_m_per_s[1] is 1000000, expected -20 to 20");
+}
+
+TEST_CASE("Reader: a sequence number 0 and a time far ahead are refused with a word") {
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<RobotState> states(bus);
+  RawWriter writer(client, topic<RobotState>());
+  const auto state = plain<RobotState>();
+  writer.write(state, 7, 0);
+  const auto latest = [&](std::uint64_t count) {
+    (void)eventually([&] {
+      RobotState taken{};
+      CHECK_FALSE(states.take(taken));
+      return states.counters().refused_for(Reason::kHeader) == count;
+    });
+    const auto refusals = bus.refusals();
+    return refusals.empty() ? std::string() : refusals[0].latest;
+  };
+  CHECK_THAT(latest(1), Catch::StartsWith("header.seq is 0, expected 1 to "));
+  writer.write(state, 7, 1, rt::now_ns() + 3600 * kSecond);
+  CHECK_THAT(latest(2), Catch::StartsWith("header.time_ns in seconds is "));
+  // a client on another host has another clock
+  BusSettings far = test::settings(ClockMode::kRealtime, 7);
+  far.shares_clock = false;
+  Bus other_host(far);
+  Reader<RobotState> there(other_host);
+  CHECK(eventually([&] {
+    writer.write(state, 7, 2, rt::now_ns() + 3600 * kSecond);
+    RobotState taken{};
+    return there.take(taken);
+  }));
+}
+
+TEST_CASE("Reader: a request that is refused for its value is kept to be answered") {
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<FaultInject> faults(bus);
+  RawWriter writer(client, topic<FaultInject>());
+  FaultInject fault{};
+  fault.duration_s = std::nan("");
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    fault.request_id = i;
+    writer.write(fault, 0, i);
+  }
+  Refusal why;
+  REQUIRE(eventually([&] {
+    CHECK_FALSE(faults.take(fault));
+    return faults.counters().refused_for(Reason::kValue) == 10;
+  }));
+  // the eight newest
+  for (std::uint64_t i = 3; i <= 10; ++i) {
+    REQUIRE(faults.take_refused(fault, why));
+    CHECK(fault.request_id == i);
+    CHECK(to_text(why) == "duration_s is nan, expected 0 to 3600");
+  }
+  CHECK_FALSE(faults.take_refused(fault, why));
 }
 
 TEST_CASE("Reader: drops what is out of order and counts gaps as lost") {
   Bus peers(test::settings()), bus(test::settings());
   Reader<RobotState> states(bus);
   RawWriter writer(peers, topic<RobotState>());
-  writer.write(RobotState{}, 1, 5);  // the first one heard: what was before is not a loss
+  writer.write(plain<RobotState>(), 1, 5);  // the first one heard: what was before is not a loss
   REQUIRE(take(states, 1).size() == 1);
   CHECK(states.counters().lost == 0);
-  writer.write(RobotState{}, 1, 8);  // 6 and 7 are missing
+  writer.write(plain<RobotState>(), 1, 8);  // 6 and 7 are missing
   REQUIRE(take(states, 1).size() == 1);
   CHECK(states.counters().lost == 2);
-  writer.write(RobotState{}, 1, 7);
-  writer.write(RobotState{}, 1, 8);
-  writer.write(RobotState{}, 1, 9);
+  writer.write(plain<RobotState>(), 1, 7);
+  writer.write(plain<RobotState>(), 1, 8);
+  writer.write(plain<RobotState>(), 1, 9);
   const auto samples = take(states, 1);
   REQUIRE(samples.size() == 1);
   CHECK(samples[0].header.seq == 9);
-  CHECK(states.counters().out_of_order == 2);
+  CHECK(states.counters().refused_for(Reason::kOldSequence) == 2);
   CHECK(states.counters().lost == 2);
   CHECK(states.counters().received == 3);
 }
@@ -319,7 +549,7 @@ TEST_CASE("Reader: samples of several instances come in the order in which they 
     CHECK(detection.header.seq == static_cast<std::uint64_t>(i + 1));
     CHECK(detection.camera == i % 3);
   }
-  CHECK(detections.counters().out_of_order == 0);
+  CHECK(detections.counters().refused_for(Reason::kOldSequence) == 0);
 }
 
 TEST_CASE(
@@ -329,7 +559,7 @@ TEST_CASE(
   Reader<Plan> reader(bus);
   bus.adopt_session(1);
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
-  Plan plan{};
+  auto plan = plain<Plan>();
   for (int i = 1; i <= 4; ++i) REQUIRE(writer.write(plan, i * kMs));
   REQUIRE(eventually([&] {
     bus.wait_for_data(10 * kMs);
@@ -348,7 +578,7 @@ TEST_CASE("Reader: a queue that nobody empties keeps the newest samples") {
   Writer<RobotState> writer(plant);
   Reader<RobotState> reader(bus, 4);
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
-  RobotState state{};
+  auto state = plain<RobotState>();
   for (int i = 1; i <= 10; ++i) REQUIRE(writer.write(state, i));
   REQUIRE(eventually([&] { return reader.take(state); }));
   CHECK(state.header.seq == 7);
@@ -363,7 +593,7 @@ TEST_CASE("Reader: taking does not allocate") {
   Writer<RobotState> writer(plant);
   Reader<RobotState> reader(bus);
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
-  RobotState state{};
+  auto state = plain<RobotState>();
   writer.write(state, 1);
   REQUIRE(eventually([&] { return reader.take(state); }));
   for (int i = 2; i <= 33; ++i) REQUIRE(writer.write(state, i));
@@ -385,13 +615,13 @@ TEST_CASE("Bus: waits for data, and can be woken without any") {
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
   std::thread later([&] {
     usleep(20'000);
-    RobotState state{};
+    auto state = plain<RobotState>();
     writer.write(state, 1);
   });
   const std::int64_t begin_ns = rt::now_ns();
   bus.wait_for_data(60 * kSecond);
   later.join();
-  RobotState state{};
+  auto state = plain<RobotState>();
   CHECK(reader.take(state));
   std::thread waker([&] {
     usleep(20'000);
@@ -412,7 +642,7 @@ TEST_CASE(
   Reader<RobotState> states(bus);
   Reader<Scene> scene_reader(bus);
   bus.hold_until_promised();
-  RobotState state{};
+  auto state = plain<RobotState>();
   for (int i = 1; i <= 3; ++i) REQUIRE(writer.write(state, i));
   Sequences promised{};
   plant.newest_written(promised);
@@ -428,7 +658,7 @@ TEST_CASE(
   promised[static_cast<int>(Stream::kScene)] = 1;
   CHECK_FALSE(bus.wait_for(promised, 50 * kMs, missing));
   CHECK(missing == "sim/scene");
-  Scene scene{};
+  auto scene = plain<Scene>();
   REQUIRE(scenes.write(scene, 1));
   CHECK(bus.wait_for(promised, 10 * kSecond, missing));
 }

@@ -8,6 +8,7 @@
 
 #include "idl/process.hpp"
 #include "tests/idl/bus_fixture.hpp"
+#include "tests/idl/samples.hpp"
 
 namespace c3rt::wire {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 using test::Child;
 using test::kMs;
 using test::kSecond;
+using test::plain;
 
 constexpr std::int64_t kPlanPeriod_ns = 13 * kMs;
 /// Exit status of a process whose run was ended by a signal, as every run is here.
@@ -32,8 +34,8 @@ int impedance() {
   Reader<Plan> plans(bus);
   Writer<RobotCommand> commands(bus);
   Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
-  RobotState state{};
-  Plan plan{};
+  auto state = plain<RobotState>();
+  auto plan = plain<Plan>();
   RobotCommand command{};
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
@@ -43,7 +45,7 @@ int impedance() {
     command.origin.plan_ns = static_cast<std::int64_t>(plan.header.seq);
     commands.write(command, now_ns);
   }
-  return states.counters().lost + states.counters().out_of_order == 0 ? stopped(loop) : 3;
+  return states.counters().lost + states.counters().refused_for(Reason::kOldSequence) == 0 ? stopped(loop) : 3;
 }
 
 /// Plans every 13 ms; odd plans take effect at once, which only works if nobody sees them within
@@ -54,8 +56,8 @@ int planner() {
   Reader<RobotState> states(bus);
   Writer<Plan> plans(bus);
   Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, kPlanPeriod_ns});
-  RobotState state{};
-  Plan plan{};
+  auto state = plain<RobotState>();
+  auto plan = plain<Plan>();
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
     int seen = 0;
@@ -63,6 +65,7 @@ int planner() {
     // at the first tick one state, then one per millisecond
     if (seen != (now_ns == 0 ? 1 : kPlanPeriod_ns / kMs)) return 2;
     plan.x[0][0] = state.q_rad[0];
+    plan.valid_until_ns = now_ns + kSecond;
     plans.write(plan, now_ns + (plans.seq() % 2 == 0 ? 0 : 5 * kMs));
   }
   return stopped(loop);
@@ -85,7 +88,7 @@ Run run(int ticks) {
     Writer<RobotState> states(bus);
     Reader<RobotCommand> commands(bus);
     LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond);
-    RobotState state{};
+    auto state = plain<RobotState>();
     RobotCommand command{};
     for (int k = 0; k < ticks; ++k) {
       const std::int64_t now_ns = k * kMs;
@@ -150,7 +153,7 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
     Bus bus(test::settings(ClockMode::kLockstep));
     Writer<BallEstimate> estimates(bus);
     Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs, 3 * kMs});
-    BallEstimate estimate{};
+    auto estimate = plain<BallEstimate>();
     std::int64_t now_ns = 0;
     while (loop.wait(now_ns)) estimates.write(estimate, now_ns);
     return stopped(loop);
@@ -159,7 +162,7 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
     Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
     Reader<BallEstimate> estimates(bus);
     LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 10 * kSecond);
-    BallEstimate estimate{};
+    auto estimate = plain<BallEstimate>();
     std::vector<std::int64_t> acted_ms;
     for (int k = 0; k < 40; ++k) {
       REQUIRE(master.advance(k * kMs));
@@ -193,7 +196,7 @@ TEST_CASE("LockstepMaster: names the process that died, and the tick") {
   Writer<RobotState> states(bus);
   LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond,
                         kSecond);
-  RobotState state{};
+  auto state = plain<RobotState>();
   int ticks = 0;
   do {
     states.write(state, ticks * kMs);

@@ -7,6 +7,7 @@
 #include <sched.h>
 
 #include "tests/idl/bus_fixture.hpp"
+#include "tests/idl/samples.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace c3rt::wire {
@@ -15,15 +16,16 @@ namespace {
 using test::eventually;
 using test::kMs;
 using test::kSecond;
+using test::plain;
 
 TEST_CASE("Inlet and Outlet: the newest sample goes from servo thread to servo thread") {
   Bus plant(test::settings(ClockMode::kRealtime, 1)), bus(test::settings());
   Outlet<RobotState> outlet(plant);
   Inlet<RobotState> inlet(bus);
   REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
-  RobotState state{};
+  auto state = plain<RobotState>();
   for (int i = 1; i <= 200; ++i) {
-    state.q_rad[0] = i;
+    state.q_rad[0] = 0.01 * i;
     outlet.put(state, i * kMs);
     if (i % 20 == 0) usleep(1000);
   }
@@ -35,7 +37,7 @@ TEST_CASE("Inlet and Outlet: the newest sample goes from servo thread to servo t
     if (!inlet.take(seen)) return false;
     ordered = ordered && seen.q_rad[0] > previous;
     previous = seen.q_rad[0];
-    return seen.q_rad[0] == 200.0;
+    return seen.q_rad[0] == 2.0;
   }));
   CHECK(ordered);
   CHECK(seen.header.time_ns == 200 * kMs);
@@ -53,7 +55,7 @@ TEST_CASE(
   Writer<Plan> writer(plant);
   Inlet<Plan> inlet(bus);
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
-  Plan plan{}, seen{};
+  auto plan = plain<Plan>(), seen = plan;
   for (int i = 1; i <= 2; ++i) {
     plan.N = i;
     REQUIRE(writer.write(plan, i * 100 * kMs));
@@ -81,13 +83,13 @@ TEST_CASE("Outlet: what was put last is written even when the outlet closes at o
     {
       Outlet<TaskTarget> outlet(plant);
       REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
-      target.radius_m = i;
+      target.radius_m = 0.1 * i;
       bus.adopt_session(1);
       outlet.put(target, kMs);
     }
     TaskTarget seen{};
     REQUIRE(eventually([&] { return targets.take(seen); }));
-    CHECK(seen.radius_m == i);
+    CHECK(seen.radius_m == 0.1 * i);
   }
 }
 
@@ -97,7 +99,7 @@ TEST_CASE("Inlet: a sample of an older session is not given to the servo thread"
   Inlet<Plan> inlet(bus);
   bus.adopt_session(1);
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
-  Plan plan{};
+  auto plan = plain<Plan>();
   writer.write(plan, kMs);
   REQUIRE(eventually([&] { return inlet.counters().received == 1; }));
   bus.adopt_session(2);
@@ -132,7 +134,7 @@ TEST_CASE("Inlet and Outlet: in lockstep they hold to what a tick promises, and 
   Outlet<RobotState> outlet(plant);
   Inlet<RobotState> inlet(bus);
   bus.hold_until_promised();
-  RobotState state{};
+  auto state = plain<RobotState>();
   for (int i = 1; i <= 3; ++i) outlet.put(state, i * kMs);
   Sequences promised{};
   plant.newest_written(promised);

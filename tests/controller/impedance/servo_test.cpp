@@ -204,10 +204,11 @@ TEST_CASE(
   fault.kind = c3rt_v1_FAULT_NAN;
   fault.duration_s = 1000;
   faults.write(fault, rt::now_ns());
-  const auto newest_is_nan = [&] {
-    return world.commands.take_newest(command) && std::isnan(command.tau_nm[0]);
-  };
-  CHECK(drive(world, process, newest_is_nan));
+  const auto refused = [&] { return world.commands.counters().refused_for(wire::Reason::kValue); };
+  CHECK(drive(world, process, [&] {
+    world.commands.take_newest(command);
+    return refused() > 0;  // no reader lets it in
+  }));
   fault.kind = c3rt_v1_FAULT_NONE;
   faults.write(fault, rt::now_ns());
   CHECK(drive(world, process, [&] {

@@ -1,0 +1,373 @@
+#include "idl/validate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+namespace c3rt::wire {
+
+namespace {
+
+// what a number of this robot, its table and its balls can be
+constexpr double kReach_m = 5.0;              // of the arm, with room
+constexpr double kEffectorSpeed_m_per_s = 10.0;
+constexpr double kForce_n = 1e3;
+constexpr double kJoint_rad = 10.0;
+constexpr double kJointSpeed_rad_per_s = 100.0;
+constexpr double kTorque_nm = 1e3;
+constexpr double kBallSeen_m = 10.0;          // a camera sees no farther
+constexpr double kBallSpeed_m_per_s = 20.0;
+constexpr double kBallSpin_rad_per_s = 2e3;
+constexpr double kBallAnywhere_m = 1e6;       // truth: a table has no end, a ball may roll for hours
+constexpr double kBallSpeedAnywhere_m_per_s = 1e4;
+constexpr double kBallSpinAnywhere_rad_per_s = 1e6;
+constexpr double kQuaternionTolerance = 1e-2;
+constexpr double kPixels = 1e5;
+constexpr int kCameras = 64;
+constexpr double kLongestPlan_s = 10.0;       // a plan is an answer to what was just seen
+constexpr double kLongest_s = 3600.0;         // of a fault, a target's lead time
+constexpr double kAnything = std::numeric_limits<double>::max();
+constexpr double kLargestSequence = 9007199254740992.0;  // 2^53: 285,000 years at 1 kHz
+
+/// Gathers the first finding of a sample.
+class Check {
+ public:
+  explicit Check(const Header& header) noexcept : time_ns_(header.time_ns) {}
+
+  Check& within(const char* field, double value, double low, double high, int index = -1) noexcept {
+    // written so that NaN fails
+    if (!found_ && !(value >= low && value <= high)) {
+      found_ = {Reason::kValue, field, index, Refusal::Expected::kRange, value, low, high};
+      if (high == kAnything) found_.expected = Refusal::Expected::kFinite;
+    }
+    return *this;
+  }
+  Check& size(const char* field, double value, double bound, int index = -1) noexcept {
+    return within(field, value, -bound, bound, index);
+  }
+  template <std::size_t n>
+  Check& size(const char* field, const double (&values)[n], double bound) noexcept {
+    return sizes(field, values, static_cast<int>(n), bound);
+  }
+  Check& sizes(const char* field, const double* values, int count, double bound) noexcept {
+    for (int i = 0; i < count; ++i) size(field, values[i], bound, i);
+    return *this;
+  }
+  Check& finite(const char* field, double value) noexcept { return size(field, value, kAnything); }
+  template <std::size_t n>
+  Check& finite(const char* field, const double (&values)[n]) noexcept {
+    return size(field, values, kAnything);
+  }
+  /// The used part of an array of arrays.
+  template <std::size_t rows, std::size_t columns>
+  Check& finite(const char* field, const double (&values)[rows][columns], int used_rows,
+                int used_columns) noexcept {
+    if (found_) return *this;  // the sizes may be wrong
+    for (int k = 0; k < used_rows; ++k) sizes(field, values[k], used_columns, kAnything);
+    return *this;
+  }
+  Check& unit(const char* field, const double (&q)[4], int index = -1) noexcept {
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!found_ && !(std::abs(norm - 1.0) <= kQuaternionTolerance))
+      found_ = {Reason::kValue, field, index, Refusal::Expected::kUnitNorm, norm, 1.0, 1.0};
+    return *this;
+  }
+  /// All zero: not told.
+  Check& unit_or_none(const char* field, const double (&q)[4]) noexcept {
+    const bool none = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0;
+    return none ? *this : unit(field, q);
+  }
+  /// A stamp of what came before this sample; 0 is none.
+  Check& stamp(const char* field, std::int64_t stamp_ns) noexcept {
+    const bool good = stamp_ns >= 0 && (stamp_ns <= time_ns_ || stamp_ns - time_ns_ <= kAhead_ns);
+    if (!good) within(field, static_cast<double>(stamp_ns) * 1e-9, 0.0, latest(kAhead_ns));
+    return *this;
+  }
+  Check& stamps(const Origin& origin) noexcept {
+    return stamp("origin.exposure_ns", origin.exposure_ns)
+        .stamp("origin.estimate_ns", origin.estimate_ns)
+        .stamp("origin.state_ns", origin.state_ns)
+        .stamp("origin.plan_ns", origin.plan_ns);
+  }
+  // an enumerator or a truth value that is none must not even be read as one
+  template <typename E>
+  Check& enumerator(const char* field, const E& value, E last) noexcept {
+    static_assert(sizeof(E) == sizeof(std::uint32_t));
+    std::uint32_t raw = 0;
+    std::memcpy(&raw, &value, sizeof raw);
+    if (!found_ && raw > static_cast<std::uint32_t>(last))
+      found_ = {Reason::kValue, field, -1, Refusal::Expected::kEnumerator,
+                static_cast<double>(raw), 0.0, static_cast<double>(last)};
+    return *this;
+  }
+  Check& truth(const char* field, const bool& value) noexcept {
+    std::uint8_t raw = 0;
+    std::memcpy(&raw, &value, sizeof raw);
+    return within(field, raw, 0.0, 1.0);
+  }
+  /// A text that ends and says nothing to a terminal but letters.
+  template <std::size_t n>
+  Check& text(const char* field, const char (&value)[n], int index = -1) noexcept {
+    const void* end = std::memchr(value, '\0', n);
+    const auto length = end == nullptr ? n : static_cast<std::size_t>(static_cast<const char*>(end) - value);
+    const bool printable = std::none_of(value, value + length, [](char letter) {
+      return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f;
+    });
+    if (!found_ && (end == nullptr || !printable))
+      found_ = {Reason::kValue, field, index, Refusal::Expected::kText,
+                static_cast<double>(length), 0.0, static_cast<double>(n - 1)};
+    return *this;
+  }
+  Check& quantiles(const char* field, const Quantiles& q) noexcept {
+    for (const double value : {q.p50_s, q.p95_s, q.p99_s, q.p999_s, q.max_s}) finite(field, value);
+    return *this;
+  }
+  double latest(std::int64_t ahead_ns) const noexcept {
+    return (static_cast<double>(time_ns_) + static_cast<double>(ahead_ns)) * 1e-9;
+  }
+  Refusal finding() const noexcept { return found_; }
+
+ private:
+  std::int64_t time_ns_;
+  Refusal found_;
+};
+
+std::string number(double value) {
+  char text[32];
+  const bool whole = std::abs(value) < 1e15 && value == std::floor(value);
+  std::snprintf(text, sizeof text, whole ? "%.0f" : "%.6g", value);
+  return text;
+}
+
+}  // namespace
+
+const char* reason_name(Reason reason) {
+  switch (reason) {
+    case Reason::kNone:
+      return "none";
+    case Reason::kValue:
+      return "value";
+    case Reason::kHeader:
+      return "header";
+    case Reason::kSecondWriter:
+      return "second writer";
+    case Reason::kOtherSession:
+      return "other session";
+    case Reason::kOldSequence:
+      return "old sequence";
+  }
+  return "unknown";
+}
+
+std::string to_text(const Refusal& refusal) {
+  std::string field = refusal.field;
+  if (refusal.index >= 0) field += "[" + std::to_string(refusal.index) + "]";
+  const std::string range = number(refusal.low) + " to " + number(refusal.high);
+  switch (refusal.reason) {
+    case Reason::kNone:
+      return "";
+    case Reason::kValue:
+    case Reason::kHeader:
+      break;
+    case Reason::kSecondWriter:
+      return "its topic has one writer, and that is another one";
+    case Reason::kOtherSession:
+      return "not of the session of the plant";
+    case Reason::kOldSequence:
+      return "its writer has sent this sequence number or a later one before";
+  }
+  switch (refusal.expected) {
+    case Refusal::Expected::kRange:
+      return field + " is " + number(refusal.came) + ", expected " + range;
+    case Refusal::Expected::kFinite:
+      return field + " is " + number(refusal.came) + ", expected a finite number";
+    case Refusal::Expected::kUnitNorm:
+      return (refusal.came == 0.0 ? "zero quaternion " : "quaternion ") + field + ": norm " +
+             number(refusal.came) + ", expected 1";
+    case Refusal::Expected::kEnumerator:
+      return field + " is " + number(refusal.came) + ", expected an enumerator, " + range;
+    case Refusal::Expected::kText:
+      return field + " is no text: expected at most " + number(refusal.high) +
+             " printable letters and an end";
+  }
+  return "";
+}
+
+Refusal validate(const Header& header, bool one_writer, std::int64_t latest_ns) noexcept {
+  Refusal refusal{Reason::kHeader};
+  if (header.seq < 1 || static_cast<double>(header.seq) > kLargestSequence) {
+    refusal.field = "header.seq";
+    refusal.came = static_cast<double>(header.seq);
+    refusal.low = 1.0;
+    refusal.high = kLargestSequence;
+    return refusal;
+  }
+  if (!one_writer || (header.time_ns >= 0 && header.time_ns <= latest_ns)) return {};
+  refusal.field = "header.time_ns in seconds";
+  refusal.came = static_cast<double>(header.time_ns) * 1e-9;
+  refusal.low = 0.0;
+  refusal.high = static_cast<double>(latest_ns) * 1e-9;
+  return refusal;
+}
+
+Refusal validate(const RobotState& s) noexcept {
+  return Check(s.header)
+      .within("robot", s.robot, 0, 0)
+      .size("q_rad", s.q_rad, kJoint_rad)
+      .size("dq_rad_per_s", s.dq_rad_per_s, kJointSpeed_rad_per_s)
+      .size("tau_nm", s.tau_nm, kTorque_nm)
+      .size("p_WE_m", s.p_WE_m, kReach_m)
+      .unit_or_none("q_WE", s.q_WE)
+      .enumerator("mode", s.mode, c3rt_v1_ROBOT_USER_STOPPED)
+      .within("command_success_rate", s.command_success_rate, 0.0, 1.0)
+      .stamp("command_state_ns", s.command_state_ns)
+      .finding();
+}
+
+Refusal validate(const RobotCommand& s) noexcept {
+  return Check(s.header)
+      .within("robot", s.robot, 0, 0)
+      .stamps(s.origin)
+      .size("tau_nm", s.tau_nm, kTorque_nm)
+      .enumerator("mode", s.mode, c3rt_v1_IMPEDANCE_STOP)
+      .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
+      .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s)
+      .finding();
+}
+
+Refusal validate(const Plan& s) noexcept {
+  return Check(s.header)
+      .within("robot", s.robot, 0, 0)
+      .stamps(s.origin)
+      .within("valid_until_ns after time_ns in seconds",
+              (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns)) * 1e-9,
+              0.0, kLongestPlan_s)
+      .enumerator("status", s.status, c3rt_v1_PLAN_FALLBACK)
+      .enumerator("phase", s.phase, c3rt_v1_PHASE_HOLD)
+      .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
+      .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s)
+      .unit("q_WE_desired", s.q_WE_desired)
+      .size("force_E_n", s.force_E_n, kForce_n)
+      .size("ball_target_m", s.ball_target_m, kBallAnywhere_m)
+      .within("delta_t_c_s", s.delta_t_c_s, 0.0, kLongestPlan_s)
+      .within("solve_time_s", s.solve_time_s, 0.0, kLongest_s)
+      .within("n_x", s.n_x, 0, c3rt_v1_MAX_STATES)
+      .within("n_lambda", s.n_lambda, 0, c3rt_v1_MAX_FORCES)
+      .within("n_u", s.n_u, 0, c3rt_v1_MAX_INPUTS)
+      .within("N", s.N, 0, c3rt_v1_MAX_HORIZON)
+      .within("admm_iterations", s.admm_iterations, 0, c3rt_v1_MAX_ADMM)
+      .finite("u_c3", s.u_c3)
+      .finite("lambda_d", s.lambda_d)
+      .finite("x", s.x, s.N, s.n_x)
+      .finite("lambda", s.lambda, s.N, s.n_lambda)
+      .finite("u", s.u, s.N, s.n_u)
+      .finite("primal_residual", s.primal_residual)
+      .finite("complementarity_violation", s.complementarity_violation)
+      .finding();
+}
+
+Refusal validate(const BallDetection& s) noexcept {
+  return Check(s.header)
+      .within("camera", s.camera, 0, kCameras - 1)
+      .within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
+      .stamp("exposure_ns", s.exposure_ns)
+      .truth("found", s.found)
+      .truth("used", s.used)
+      .size("u_px", s.u_px, kPixels)
+      .size("v_px", s.v_px, kPixels)
+      .within("radius_px", s.radius_px, 0.0, kPixels)
+      .size("p_WB_m", s.p_WB_m, kBallSeen_m)
+      .finding();
+}
+
+Refusal validate(const BallEstimate& s) noexcept {
+  return Check(s.header)
+      .within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
+      .stamp("exposure_ns", s.exposure_ns)
+      .truth("valid", s.valid)
+      .within("cameras_used", s.cameras_used, 0, kCameras)
+      .size("p_measured_m", s.p_measured_m, kBallSeen_m)
+      .size("p_WB_m", s.p_WB_m, kBallSeen_m)
+      .size("v_WB_m_per_s", s.v_WB_m_per_s, kBallSpeed_m_per_s)
+      .size("omega_rad_per_s", s.omega_rad_per_s, kBallSpin_rad_per_s)
+      .unit("q_WB", s.q_WB)
+      .finding();
+}
+
+// what this robot can reach is the planner's to say; here is what no planner could do
+Refusal validate(const TaskTarget& s) noexcept {
+  return Check(s.header)
+      .enumerator("kind", s.kind, c3rt_v1_TARGET_POINT)
+      .size("center_m", s.center_m, kBallSeen_m)
+      .size("radius_m", s.radius_m, kBallSeen_m)
+      .size("lead_rad", s.lead_rad, 100.0)
+      .finding();
+}
+
+Refusal validate(const Scene& s) noexcept {
+  Check check(s.header);
+  check.truth("exposure", s.exposure)
+      .size("q_rad", s.q_rad, kJoint_rad)
+      .size("p_WE_m", s.p_WE_m, kReach_m)
+      .within("ball_count", s.ball_count, 0, c3rt_v1_MAX_BALLS);
+  const int balls = check.finding() ? 0 : static_cast<int>(s.ball_count);
+  for (int i = 0; i < balls; ++i) {
+    check.size("p_WB_m", s.p_WB_m[i], kBallAnywhere_m)
+        .unit("q_WB", s.q_WB[i], i)
+        .size("v_WB_m_per_s", s.v_WB_m_per_s[i], kBallSpeedAnywhere_m_per_s)
+        .size("omega_rad_per_s", s.omega_rad_per_s[i], kBallSpinAnywhere_rad_per_s);
+  }
+  return check.finding();
+}
+
+Refusal validate(const Tick&) noexcept { return {}; }
+
+Refusal validate(const Done& s) noexcept {
+  return Check(s.header).enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER).finding();
+}
+
+Refusal validate(const ServiceStatus& s) noexcept {
+  Check check(s.header);
+  check.enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
+      .enumerator("state", s.state, c3rt_v1_SERVICE_STOPPING)
+      .text("text", s.text)
+      .within("rate_hz", s.rate_hz, 0.0, kAnything)
+      .quantiles("wakeup_latency", s.wakeup_latency)
+      .quantiles("compute", s.compute);
+  for (int i = 0; i < c3rt_v2_COUNTERS; ++i) check.text("counter_names", s.counter_names[i], i);
+  for (int i = 0; i < c3rt_v2_REFUSALS; ++i) {
+    check.text("refused.topic", s.refused[i].topic, i)
+        .text("refused.reason", s.refused[i].reason, i)
+        .text("refused.latest", s.refused[i].latest, i);
+  }
+  return check.finding();
+}
+
+Refusal validate(const ServiceRequest& s) noexcept {
+  return Check(s.header)
+      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
+      .enumerator("verb", s.verb, c3rt_v1_REQUEST_SHUTDOWN)
+      .finding();
+}
+
+Refusal validate(const ServiceReply& s) noexcept {
+  return Check(s.header)
+      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
+      .truth("ok", s.ok)
+      .text("text", s.text)
+      .finding();
+}
+
+Refusal validate(const FaultInject& s) noexcept {
+  return Check(s.header)
+      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
+      .enumerator("kind", s.kind, c3rt_v1_FAULT_NAN)
+      .within("duration_s", s.duration_s, 0.0, kLongest_s)
+      .size("value", s.value, kForce_n)
+      .finding();
+}
+
+}  // namespace c3rt::wire
