@@ -16,7 +16,9 @@
 #include "cli/lock.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
+#include "config/scenario.hpp"
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/faults.hpp"
 #include "idl/process.hpp"
 
 namespace c3rt::cli {
@@ -37,25 +39,97 @@ bool wait_until(double seconds, const std::function<bool()>& condition) {
   return true;
 }
 
-/// Writes one sample to whoever listens. @return an exit status
+/// A sample that is answered: written to whoever listens, and the reply printed.
 template <typename T>
-int tell(const Seat& seat, T sample, const std::string& done) {
-  wire::Bus bus(bus_settings(seat));
-  wire::Writer<T> writer(bus);
-  if (!wait_until(kDiscovery, [&] { return writer.matched_readers() > 0; })) {
+class Question {
+ public:
+  explicit Question(const Seat& seat) : seat_(seat), bus_(bus_settings(seat)) {}
+
+  /// @return false, and says so, where nobody takes it
+  bool find_peers() {
+    if (wait_until(kDiscovery, [this] {
+          return writer_.matched_readers() > 0 && replies_.matched_writers() > 0;
+        })) {
+      std::this_thread::sleep_for(milliseconds(200));  // others may be discovered a moment later
+      return true;
+    }
     fmt::print(stderr, "c3rt: error: nobody listens to {} on domain {}; is an instance up?\n",
-               wire::topic<T>().name, seat.domain);
-    return kProcessFailed;
+               wire::topic<T>().name, seat_.domain);
+    return false;
   }
-  // others may be discovered a moment later than the first
-  std::this_thread::sleep_for(milliseconds(200));
-  if (!writer.write(sample, rt::now_ns())) {
-    fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
-    return kProcessFailed;
+  /// @return an exit status
+  int ask(T sample, wire::Process process) {
+    sample.request_id = static_cast<std::uint64_t>(rt::now_ns());
+    if (!writer_.write(sample, rt::now_ns())) {
+      fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
+      return kProcessFailed;
+    }
+    wire::ServiceReply reply{};
+    const bool answered = wait_until(kReply, [&] {
+      while (replies_.take(reply)) {
+        if (reply.request_id == sample.request_id) return true;
+      }
+      return false;
+    });
+    if (!answered) {
+      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
+                 wire::process_name(process), kReply);
+      return kProcessFailed;
+    }
+    fmt::print(reply.ok ? stdout : stderr, "{}: {}\n", wire::process_name(reply.process),
+               reply.text);
+    return reply.ok ? kDone : kCriterionFailed;
   }
-  std::this_thread::sleep_for(milliseconds(200));  // the writer lives until it is delivered
-  fmt::print("{}\n", done);
-  return kDone;
+
+ private:
+  const Seat& seat_;
+  wire::Bus bus_;
+  wire::Writer<T> writer_{bus_};
+  wire::Reader<wire::ServiceReply> replies_{bus_};
+};
+
+template <typename T>
+int ask(const Seat& seat, const T& sample, wire::Process process) {
+  Question<T> question(seat);
+  return question.find_peers() ? question.ask(sample, process) : kProcessFailed;
+}
+
+/// That of the instance on this domain; nothing where none of this user runs, or where it cannot be
+/// read any more.
+std::optional<config::Scenario> running_scenario(const Seat& seat) {
+  const auto instance = holder(runtime_directory(), seat.domain);
+  if (!instance || instance->file.empty()) return std::nullopt;
+  try {
+    return config::load_scenario(instance->file, instance->overrides);
+  } catch (const config::ConfigError&) {
+    return std::nullopt;
+  }
+}
+
+wire::FaultScope fault_scope(const config::Scenario& scenario) {
+  wire::FaultScope scope;
+  for (const plant::BallParameters& ball : scenario.plant.world.balls)
+    scope.ball_masses.push_back(ball.mass);
+  const bool cameras = scenario.vision.source == vision::SourceKind::kCameras;
+  scope.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
+  return scope;
+}
+
+wire::TaskTarget to_wire(const planner::Target& target) {
+  wire::TaskTarget sample{};
+  if (const auto* circle = std::get_if<planner::CircleTask>(&target)) {
+    sample.kind = c3rt_v1_TARGET_CIRCLE;
+    std::copy_n(circle->center.data(), 2, sample.center_m);
+    sample.radius_m = circle->radius;
+    sample.lead_rad = circle->lead;
+  } else if (const auto* to = std::get_if<planner::PointTarget>(&target)) {
+    sample.kind = c3rt_v1_TARGET_POINT;
+    std::copy_n(to->point.data(), 2, sample.center_m);
+  } else {
+    sample.kind = std::holds_alternative<planner::HoldTarget>(target) ? c3rt_v1_TARGET_HOLD
+                                                                      : c3rt_v1_TARGET_SCENARIO;
+  }
+  return sample;
 }
 
 /// A sample as a JSON object.
@@ -202,48 +276,35 @@ Services listen(wire::Bus& bus, double seconds) {
 
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v1_RequestVerb verb) {
-  wire::Bus bus(bus_settings(seat));
-  wire::Writer<wire::ServiceRequest> writer(bus);
-  wire::Reader<wire::ServiceReply> reader(bus);
-  if (!wait_until(kDiscovery,
-                  [&] { return writer.matched_readers() > 0 && reader.matched_writers() > 0; })) {
-    fmt::print(stderr, "c3rt: error: nobody takes requests on domain {}; is an instance up?\n",
-               seat.domain);
-    return kProcessFailed;
-  }
-  std::this_thread::sleep_for(milliseconds(200));  // others may be discovered a moment later
+  Question<wire::ServiceRequest> question(seat);
+  if (!question.find_peers()) return kProcessFailed;
   int exit_status = kDone;
   for (const wire::Process process : processes) {
     wire::ServiceRequest wanted{};
-    wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
     wanted.process = process;
     wanted.verb = verb;
-    writer.write(wanted, rt::now_ns());
-    wire::ServiceReply reply{};
-    const bool answered = wait_until(kReply, [&] {
-      while (reader.take(reply)) {
-        if (reply.request_id == wanted.request_id) return true;
-      }
-      return false;
-    });
-    if (!answered) {
-      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
-                 wire::process_name(process), kReply);
-      return kProcessFailed;
-    }
-    fmt::print("{}: {}\n", wire::process_name(reply.process), reply.text);
-    if (!reply.ok) exit_status = kCriterionFailed;
+    const int status = question.ask(wanted, process);
+    if (status == kProcessFailed) return status;
+    exit_status = std::max(exit_status, status);
   }
   return exit_status;
 }
 
-int inject(const Seat& seat, const wire::FaultInject& fault) {
-  return tell(seat, fault,
-              fmt::format("{}: {}", wire::process_name(fault.process), name_of(fault.kind)));
+int inject(const Seat& seat, wire::FaultInject fault) {
+  const auto scenario = running_scenario(seat);
+  const std::string refused =
+      wire::refusal(fault, scenario ? fault_scope(*scenario) : wire::FaultScope{});
+  if (!refused.empty()) throw UsageError("fault: " + refused);
+  return ask(seat, fault, fault.process);
 }
 
-int set_target(const Seat& seat, const wire::TaskTarget& target) {
-  return tell(seat, target, fmt::format("target: {}", name_of(target.kind)));
+int set_target(const Seat& seat, const planner::Target& target) {
+  if (const auto scenario = running_scenario(seat)) {
+    const planner::TargetVerdict verdict =
+        planner::check(target, planner::target_limits(scenario->planner));
+    if (!verdict.ok()) throw UsageError("target: " + verdict.sentence);
+  }
+  return ask(seat, to_wire(target), c3rt_v1_PROCESS_PLANNER);
 }
 
 int print_topics(const Seat& seat) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/planner/target.hpp"
 #include "idl/dds.hpp"
 
 namespace c3rt::cli {
@@ -31,11 +32,13 @@ Services listen(wire::Bus& bus, double seconds);
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v1_RequestVerb verb);
 
-/// Sends a fault to its process. @return an exit status
-int inject(const Seat& seat, const wire::FaultInject& fault);
+/// Asks for a fault of a process, and for its answer. @return an exit status: 1 if it refuses
+/// @throws UsageError for what the scenario that runs cannot do
+int inject(const Seat& seat, wire::FaultInject fault);
 
-/// Sends a new target to the planner. @return an exit status
-int set_target(const Seat& seat, const wire::TaskTarget& target);
+/// Asks the planner for a new target, and for its answer. @return an exit status: 1 if it refuses
+/// @throws UsageError for what the scenario that runs cannot reach
+int set_target(const Seat& seat, const planner::Target& target);
 
 /// Every topic: its type, who writes it, whether somebody does now.
 int print_topics(const Seat& seat);

@@ -26,11 +26,13 @@ wire::BusSettings bus_settings(const LaunchSettings& settings) {
 }
 
 Instance instance(const LaunchSettings& settings, const std::string& scenario,
-                  const wire::BusSettings& bus, const fs::path& out) {
+                  const fs::path& file, const wire::BusSettings& bus, const fs::path& out) {
   Instance self;
   self.pid = getpid();
   self.verb = settings.verb;
   self.scenario = scenario;
+  self.file = fs::absolute(file).string();
+  self.overrides = settings.overrides;
   self.clock = settings.clock_name();
   self.session = bus.session_id;
   self.profile = bus.profile_uri;
@@ -48,7 +50,7 @@ Launch::Launch(const LaunchSettings& settings)
       out_(
           fs::absolute(settings.out.empty() ? new_folder(scenario_.name) : fs::path(settings.out))),
       bus_(bus_settings(settings)) {
-  const Instance self = instance(settings, scenario_.name, bus_, out_);
+  const Instance self = instance(settings, scenario_.name, file_, bus_, out_);
   lock_ = settings.any_domain
               ? lock_any_domain(runtime_directory(), self)
               : std::make_unique<DomainLock>(runtime_directory(), settings.domain, self);

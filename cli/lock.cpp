@@ -31,6 +31,8 @@ std::optional<Instance> read(const std::filesystem::path& file) {
   instance.pid = note.value("pid", 0);
   instance.verb = note.value("verb", "");
   instance.scenario = note.value("scenario", "");
+  instance.file = note.value("file", "");
+  instance.overrides = note.value("overrides", std::vector<std::string>{});
   instance.clock = note.value("clock", "");
   instance.session = note.value("session", std::uint64_t{0});
   instance.profile = note.value("profile", "");
@@ -87,9 +89,12 @@ void DomainLock::set_ended(const std::string& how) {
 }
 
 void DomainLock::write() const {
-  const json note{{"pid", self_.pid},     {"verb", self_.verb},       {"scenario", self_.scenario},
-                  {"clock", self_.clock}, {"session", self_.session}, {"profile", self_.profile},
-                  {"out", self_.out},     {"started", self_.started}, {"ended", self_.ended}};
+  const json note{{"pid", self_.pid},         {"verb", self_.verb},
+                  {"scenario", self_.scenario}, {"file", self_.file},
+                  {"overrides", self_.overrides}, {"clock", self_.clock},
+                  {"session", self_.session},   {"profile", self_.profile},
+                  {"out", self_.out},           {"started", self_.started},
+                  {"ended", self_.ended}};
   const std::string text = note.dump() + "\n";
   const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
                                                        static_cast<ssize_t>(text.size());

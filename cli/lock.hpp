@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -18,6 +19,8 @@ struct Instance {
   pid_t pid = 0;
   std::string verb;      // "run", "up"
   std::string scenario;  // name
+  std::string file;      // of the scenario
+  std::vector<std::string> overrides;
   std::string clock;     // "realtime", "lockstep"
   std::uint64_t session = 0;
   std::string profile;  // of DDS: a file

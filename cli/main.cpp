@@ -25,6 +25,7 @@
 #include "cli/run.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
+#include "idl/faults.hpp"
 #include "idl/process.hpp"
 
 namespace {
@@ -166,7 +167,7 @@ class CommandLine {
     const bool lasts = kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
     if (lasts)
       added->add_option("--for", fault_duration_s_, "How long [s]")
-          ->check(cli::number(0.001, kLongest))
+          ->check(cli::number(0.001, wire::kLongestFault))
           ->capture_default_str();
     return added;
   }
@@ -193,15 +194,9 @@ class CommandLine {
   }
 
   CLI::App* target(CLI::App& parent, const std::string& name, const std::string& description,
-                   c3rt_v1_TargetKind kind) {
-    CLI::App* added = command(parent, name, description, [this, kind] {
-      wire::TaskTarget sample{};
-      sample.kind = kind;
-      sample.center_m[0] = position_m_[0];
-      sample.center_m[1] = position_m_[1];
-      sample.radius_m = radius_m_;
-      sample.lead_rad = lead_deg_ * kDegree;
-      return cli::set_target(seat_, sample);
+                   std::function<planner::Target()> wanted) {
+    CLI::App* added = command(parent, name, description, [this, wanted = std::move(wanted)] {
+      return cli::set_target(seat_, wanted());
     });
     add_seat(*added, seat_);
     return added;
@@ -210,7 +205,10 @@ class CommandLine {
   void add_targets() {
     CLI::App& parent = *group(app_, "target", "Gives the planner another task");
     parent.require_subcommand(1);
-    CLI::App* circle = target(parent, "circle", "A circle on the table", c3rt_v1_TARGET_CIRCLE);
+    CLI::App* circle = target(parent, "circle", "A circle on the table", [this] {
+      return planner::CircleTask{
+          {position_m_[0], position_m_[1]}, radius_m_, lead_deg_ * kDegree};
+    });
     circle->add_option("--center", position_m_, "x and y [m]")
         ->expected(2)
         ->check(cli::number(-kFarthest, kFarthest))
@@ -223,13 +221,16 @@ class CommandLine {
                      "How far ahead the target runs; positive is clockwise from above")
         ->check(cli::number(-kFarthest, kFarthest))
         ->capture_default_str();
-    target(parent, "point", "A point on the table", c3rt_v1_TARGET_POINT)
+    target(parent, "point", "The ball is brought there and kept there",
+           [this] { return planner::PointTarget{{position_m_[0], position_m_[1]}}; })
         ->add_option("position", position_m_, "x and y [m]")
         ->expected(2)
         ->check(cli::number(-kFarthest, kFarthest))
         ->required();
-    target(parent, "hold", "Stay where it is", c3rt_v1_TARGET_HOLD);
-    target(parent, "scenario", "Back to the scenario's own task", c3rt_v1_TARGET_SCENARIO);
+    target(parent, "hold", "Brings the ball to rest and leaves it",
+           [] { return planner::HoldTarget{}; });
+    target(parent, "scenario", "Back to the scenario's own task",
+           [] { return planner::ScenarioTarget{}; });
   }
 
   void add_tools() {

@@ -20,7 +20,9 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
+#include "idl/faults.hpp"
 #include "idl/process.hpp"
+#include "idl/replies.hpp"
 #include "plant_emulator/messages.hpp"
 #include "plant_emulator/orders.hpp"
 #include "plant_emulator/plant.hpp"
@@ -87,7 +89,7 @@ class Cycle {
         plant_.drop_commands(order.duration);
         break;
       case OrderKind::kStall:
-        std::this_thread::sleep_for(std::chrono::duration<double>(order.duration));
+        stall(order.duration);
         break;
       case OrderKind::kNan:
         nan_until_ = until;
@@ -148,6 +150,15 @@ class Cycle {
   Errors errors() const noexcept { return shown_errors_.load(std::memory_order_relaxed); }
 
  private:
+  /// Stands still, but not when it is asked to end.
+  static void stall(double duration) noexcept {
+    using std::chrono::steady_clock;
+    const auto until = steady_clock::now() + std::chrono::duration<double>(duration);
+    while (!wire::StopFlag::requested() && steady_clock::now() < until)
+      std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+          until - steady_clock::now(), std::chrono::milliseconds(10)));
+  }
+
   Plant plant_;
   Schedule exposure_, scene_;
   std::vector<Push> pushes_;
@@ -165,10 +176,12 @@ class Cycle {
 /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
 class ClientDesk {
  public:
-  ClientDesk(wire::Bus& bus, const Cycle& cycle, wire::StatusReporter& status, OrderQueue& orders)
-      : faults_(bus),
+  ClientDesk(wire::Bus& bus, const wire::FaultScope& scope, const Cycle& cycle,
+             wire::StatusReporter& status, OrderQueue& orders)
+      : scope_(scope),
+        faults_(bus),
         requests_(bus),
-        replies_(bus),
+        replies_(bus, c3rt_v1_PROCESS_PLANT),
         cycle_(cycle),
         status_(status),
         orders_(orders) {}
@@ -180,7 +193,7 @@ class ClientDesk {
     }
     wire::FaultInject fault;
     while (faults_.take(fault)) {
-      if (fault.process == c3rt_v1_PROCESS_PLANT) inject(fault);
+      if (fault.process == c3rt_v1_PROCESS_PLANT) inject(fault, now_ns);
     }
     report();
   }
@@ -189,43 +202,34 @@ class ClientDesk {
   void answer(const wire::ServiceRequest& request, std::int64_t now_ns) {
     if (request.verb == c3rt_v1_REQUEST_SHUTDOWN) return;  // the clock obeys and answers it
     const bool recover = request.verb == c3rt_v1_REQUEST_RECOVER;
-    wire::ServiceReply reply{};
-    reply.request_id = request.request_id;
-    reply.process = c3rt_v1_PROCESS_PLANT;
-    reply.ok = orders_.put(
+    const bool taken = orders_.put(
         {recover ? OrderKind::kRecover : OrderKind::kStop, 0, 0, Eigen::Vector3d::Zero()});
-    std::snprintf(reply.text, sizeof reply.text, "%s",
-                  !reply.ok ? "too many requests at once"
-                  : recover ? "idle; the next valid command moves the arm"
-                            : "stopped; recover ends it");
-    replies_.write(reply, now_ns);
+    replies_.answer(request.request_id, taken,
+          !taken    ? "too many requests at once"
+          : recover ? "idle; the next valid command moves the arm"
+                    : "stopped; recover ends it",
+          now_ns);
   }
 
-  void inject(const wire::FaultInject& fault) {
+  void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
+    const std::string refused = wire::refusal(fault, scope_);
+    const bool taken = refused.empty() && orders_.put(order_of(fault));
+    const std::string said = !refused.empty() ? "refused: " + refused
+                             : taken          ? wire::describe(fault)
+                                              : "refused: too many faults at once";
+    replies_.answer(fault.request_id, taken, said, now_ns);
+    spdlog::log(taken ? spdlog::level::info : spdlog::level::warn, "fault {}", said);
+  }
+
+  /// Of a fault that is not refused.
+  static Order order_of(const wire::FaultInject& fault) {
     Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
                 Eigen::Map<const Eigen::Vector3d>(fault.value)};
-    switch (fault.kind) {
-      case c3rt_v1_FAULT_NONE:
-        break;
-      case c3rt_v1_FAULT_PUSH_BALL:
-        order.kind = OrderKind::kPushBall;
-        break;
-      case c3rt_v1_FAULT_DROP_COMMANDS:
-        order.kind = OrderKind::kDropCommands;
-        break;
-      case c3rt_v1_FAULT_STALL:
-        order.kind = OrderKind::kStall;
-        break;
-      case c3rt_v1_FAULT_NAN:
-        order.kind = OrderKind::kNan;
-        break;
-      default:
-        spdlog::warn("fault refused kind={}", static_cast<int>(fault.kind));
-        return;
-    }
-    const bool taken = orders_.put(order);
-    spdlog::info("fault kind={} index={} duration_s={} taken={}", static_cast<int>(fault.kind),
-                 fault.index, fault.duration_s, taken);
+    if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) order.kind = OrderKind::kPushBall;
+    if (fault.kind == c3rt_v1_FAULT_DROP_COMMANDS) order.kind = OrderKind::kDropCommands;
+    if (fault.kind == c3rt_v1_FAULT_STALL) order.kind = OrderKind::kStall;
+    if (fault.kind == c3rt_v1_FAULT_NAN) order.kind = OrderKind::kNan;
+    return order;
   }
 
   void report() {
@@ -245,9 +249,10 @@ class ClientDesk {
     spdlog::info("mode {}", text);
   }
 
+  const wire::FaultScope scope_;
   wire::Reader<wire::FaultInject> faults_;
   wire::Reader<wire::ServiceRequest> requests_;
-  wire::Writer<wire::ServiceReply> replies_;
+  wire::Replies replies_;
   const Cycle& cycle_;
   wire::StatusReporter& status_;
   OrderQueue& orders_;
@@ -285,11 +290,12 @@ class DeskThread {
   std::thread thread_;
 };
 
-std::string run_realtime(wire::Bus& bus, Cycle& cycle, wire::StatusReporter& status) {
+std::string run_realtime(wire::Bus& bus, const wire::FaultScope& scope, Cycle& cycle,
+                         wire::StatusReporter& status) {
   auto& missed = status.counter("missed_cycles");
   auto& factor = status.counter("real_time_factor_1e3");
   OrderQueue orders;
-  ClientDesk desk(bus, cycle, status, orders);
+  ClientDesk desk(bus, scope, cycle, status, orders);
   const DeskThread desk_thread(bus, desk);
   wire::Inlet<wire::RobotCommand> commands(bus);
   wire::Outlet<wire::RobotState> states(bus);
@@ -336,11 +342,11 @@ std::vector<wire::Process> expected_processes(const std::vector<std::string>& na
   return processes;
 }
 
-std::string run_lockstep(wire::Bus& bus, Cycle& cycle, wire::StatusReporter& status,
-                         const std::vector<std::string>& expect) {
+std::string run_lockstep(wire::Bus& bus, const wire::FaultScope& scope, Cycle& cycle,
+                         wire::StatusReporter& status, const std::vector<std::string>& expect) {
   auto& factor = status.counter("real_time_factor_1e3");
   OrderQueue orders;
-  ClientDesk desk(bus, cycle, status, orders);
+  ClientDesk desk(bus, scope, cycle, status, orders);
   wire::Reader<wire::RobotCommand> commands(bus);
   wire::Writer<wire::RobotState> states(bus);
   wire::Writer<wire::Scene> scenes(bus);
@@ -388,8 +394,11 @@ int run(int argc, char** argv) {
   spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
                lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
                scenario.plant.world.balls.size());
-  const std::string failure = lockstep ? run_lockstep(bus, *cycle, status, options->expect)
-                                       : run_realtime(bus, *cycle, status);
+  wire::FaultScope scope;
+  for (const BallParameters& ball : scenario.plant.world.balls)
+    scope.ball_masses.push_back(ball.mass);
+  const std::string failure = lockstep ? run_lockstep(bus, scope, *cycle, status, options->expect)
+                                       : run_realtime(bus, scope, *cycle, status);
   if (!failure.empty()) {
     spdlog::error("stop: {}", failure);
     return config::kFailedWhileRunning;

@@ -17,7 +17,9 @@
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
+#include "idl/faults.hpp"
 #include "idl/process.hpp"
+#include "idl/replies.hpp"
 #include "idl/shutdown_listener.hpp"
 #include "plant_emulator/start.hpp"
 #include "vision/emulated.hpp"
@@ -159,7 +161,7 @@ class Service {
         requests_(bus),
         detections_(bus),
         estimates_(bus),
-        replies_(bus),
+        replies_(bus, c3rt_v1_PROCESS_VISION),
         status_(status),
         exposures_(status.counter("exposures")),
         dropped_(status.counter("dropped_frames")),
@@ -174,6 +176,8 @@ class Service {
       const Eigen::Vector2d& start = world.balls[i].position;
       start_.emplace_back(start.x(), start.y(), world.table_height + world.balls[i].radius);
     }
+    const bool cameras = scenario.vision.source == SourceKind::kCameras;
+    scope_.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
     status_.set_state(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
   }
 
@@ -197,11 +201,7 @@ class Service {
     while (requests_.take(request)) {
       if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN)
         continue;
-      wire::ServiceReply reply{};
-      reply.request_id = request.request_id;
-      reply.process = c3rt_v1_PROCESS_VISION;
-      std::snprintf(reply.text, sizeof reply.text, "vision knows only shutdown");
-      replies_.write(reply, now_ns);
+      replies_.answer(request.request_id, false, "vision knows only shutdown", now_ns);
     }
     wire::FaultInject fault{};
     while (faults_in_.take(fault)) {
@@ -210,11 +210,15 @@ class Service {
   }
 
   void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
-    constexpr double kLongest = 3600.0;  // [s]
-    const std::int64_t until_ns =
-        now_ns + nanoseconds(std::isfinite(fault.duration_s)
-                                 ? std::clamp(fault.duration_s, 0.0, kLongest)
-                                 : 0.0);
+    const std::string refused = wire::refusal(fault, scope_);
+    replies_.answer(fault.request_id, refused.empty(),
+           refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
+    if (!refused.empty()) {
+      spdlog::warn("fault refused: {}", refused);
+      return;
+    }
+    spdlog::info("fault {}", wire::describe(fault));
+    const std::int64_t until_ns = now_ns + nanoseconds(fault.duration_s);
     switch (fault.kind) {
       case c3rt_v1_FAULT_FREEZE_CAMERA:
         source_->freeze(fault.index, until_ns);
@@ -233,11 +237,8 @@ class Service {
         source_->freeze(-1, 0);
         break;
       default:
-        spdlog::warn("fault refused kind={}", static_cast<int>(fault.kind));
-        return;
+        break;  // refused above
     }
-    spdlog::info("fault kind={} index={} duration_s={}", static_cast<int>(fault.kind), fault.index,
-                 fault.duration_s);
   }
 
   /// Of as many balls as the scenario has; told once where not.
@@ -347,13 +348,14 @@ class Service {
   wire::Reader<wire::ServiceRequest> requests_;
   wire::Writer<wire::BallDetection> detections_;
   wire::Writer<wire::BallEstimate> estimates_;
-  wire::Writer<wire::ServiceReply> replies_;
+  wire::Replies replies_;
   wire::StatusReporter& status_;
   std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,
       &foreign_scenes_;
   std::vector<Estimator> estimators_;
   std::vector<Eigen::Vector3d> start_;
   Faults faults_;
+  wire::FaultScope scope_;
   std::int64_t last_exposure_ns_ = 0;
 };
 

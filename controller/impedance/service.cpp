@@ -5,12 +5,12 @@
 #include <cstdio>
 
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/faults.hpp"
 
 namespace c3rt::impedance {
 
 namespace {
 
-constexpr double kLongestFault_s = 3600;
 // a request is handed over during one cycle and surely obeyed in the next
 constexpr std::uint64_t kCyclesToAnswer = 2;
 
@@ -67,7 +67,7 @@ Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
       status_(status),
       requests_(bus, 16, wire::Wakes::kItself),
       faults_(bus, 16, wire::Wakes::kItself),
-      replies_(bus),
+      replies_(bus, c3rt_v1_PROCESS_IMPEDANCE),
       missed_cycles_(status.counter("missed_cycles")),
       stale_plan_events_(status.counter("stale_plan_events")),
       plans_other_session_(status.counter("plans_other_session")),
@@ -114,12 +114,9 @@ void Service::answer_requests() {
   for (const Pending& pending : pending_) {
     if (!seen(pending)) continue;
     const bool stopped = snapshot_.mode == Mode::kStop;
-    wire::ServiceReply reply{};
-    reply.request_id = pending.request.request_id;
-    reply.process = c3rt_v1_PROCESS_IMPEDANCE;
-    reply.ok = stopped == (pending.request.verb == c3rt_v1_REQUEST_STOP);
-    std::snprintf(reply.text, sizeof reply.text, "%s", describe(snapshot_).c_str());
-    replies_.write(reply, rt::now_ns());
+    replies_.answer(pending.request.request_id,
+                    stopped == (pending.request.verb == c3rt_v1_REQUEST_STOP), describe(snapshot_),
+                    rt::now_ns());
   }
   pending_.erase(std::remove_if(pending_.begin(), pending_.end(), seen), pending_.end());
 }
@@ -128,10 +125,12 @@ void Service::take_faults() {
   wire::FaultInject fault{};
   while (faults_.take(fault)) {
     if (fault.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
+    const std::string refused = wire::refusal(fault, {});
+    replies_.answer(fault.request_id, refused.empty(),
+                    refused.empty() ? wire::describe(fault) : "refused: " + refused, rt::now_ns());
+    if (!refused.empty()) continue;
     if (fault.kind == c3rt_v1_FAULT_NONE) servo_.end_faults();
-    if (!(fault.duration_s > 0.0)) continue;
-    const auto duration_ns =
-        static_cast<std::int64_t>(std::min(fault.duration_s, kLongestFault_s) * 1e9);
+    const auto duration_ns = static_cast<std::int64_t>(fault.duration_s * 1e9);
     if (fault.kind == c3rt_v1_FAULT_STALL) servo_.stall(duration_ns);
     if (fault.kind == c3rt_v1_FAULT_NAN) servo_.spoil(duration_ns);
   }

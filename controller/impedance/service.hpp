@@ -7,6 +7,7 @@
 
 #include "controller/impedance/servo.hpp"
 #include "idl/process.hpp"
+#include "idl/replies.hpp"
 
 namespace c3rt::impedance {
 
@@ -42,7 +43,7 @@ class Service {
   wire::StatusReporter& status_;
   wire::Reader<wire::ServiceRequest> requests_;
   wire::Reader<wire::FaultInject> faults_;
-  wire::Writer<wire::ServiceReply> replies_;
+  wire::Replies replies_;
   std::vector<Pending> pending_;
   Snapshot snapshot_;
   std::string text_;

@@ -7,6 +7,14 @@ namespace c3rt::planner {
 namespace {
 
 constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
+constexpr double kStateTimeout = 0.1;  // [s]
+// When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
+constexpr double kOnBallGap = 1.5e-3, kOnBallBeside = 0.025;
+constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
+constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
+constexpr double kDelivered = 3e-3;     // a ball that stops this near to its point is there [m]
+constexpr double kAstray = 8e-3;        // and one that is farther away than this [m]
+constexpr double kAstrayTime = 0.3;     // for this long is brought back [s]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
@@ -26,10 +34,21 @@ bool within(const ApproachParameters& reach, const Eigen::Vector2d& ball) {
          (ball.array() <= reach.reach_max.array()).all();
 }
 
+bool of_state(Cause cause) {
+  return cause == Cause::kNoState || cause == Cause::kStateLate || cause == Cause::kStateNotFinite;
+}
+
 // Between the surfaces of end effector and ball [m].
 double gap_between(const model::BallModelParameters& model, const Scene& scene, int ball) {
   const double distance = (scene.balls[static_cast<std::size_t>(ball)].p_WB - scene.p_WE).norm();
   return distance - model.ball_radius - model.end_effector_radius;
+}
+
+// No farther away than a pace.
+Eigen::Vector2d paced(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double pace) {
+  const Eigen::Vector2d way = to - from;
+  if (way.norm() <= pace) return to;
+  return from + pace * way.normalized();
 }
 
 // How far a ball that nobody touches gets in a time.
@@ -41,11 +60,16 @@ Eigen::Vector2d rolled_on(const Ball& ball, double time) {
 
 Mode next(Mode mode, const Situation& situation) {
   if (!situation.state_fresh) return Mode::kWait;
-  if (!situation.balls_at_hand || situation.hold_requested) return Mode::kHold;
+  if (situation.hold_requested) return Mode::kHold;
+  if (mode == Mode::kRest && situation.ball_left) return Mode::kHold;
+  if (situation.rest_wanted) return Mode::kRest;
+  if (!situation.balls_at_hand) return Mode::kHold;
   switch (mode) {
     case Mode::kWait:
     case Mode::kHold:
       return Mode::kApproach;
+    case Mode::kRest:
+      return Mode::kReturn;
     case Mode::kApproach:
       return situation.start_pose_reached ? Mode::kReturn : Mode::kApproach;
     case Mode::kRoll:
@@ -59,7 +83,8 @@ Mode next(Mode mode, const Situation& situation) {
 Planner::Planner(const Parameters& parameters)
     : parameters_(parameters),
       step_(parameters),
-      approach_(parameters.approach, parameters.model.table_height) {
+      approach_(parameters.approach, parameters.model.table_height),
+      rest_(parameters.model, parameters.approach.leash) {
   if (parameters.disturbance) disturbance_.emplace(*parameters.disturbance);
   plan_.lambda_d = Eigen::VectorXd::Zero(step_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(step_.n_x(), parameters.N);
@@ -71,19 +96,124 @@ Planner::Planner(const Parameters& parameters)
   hold(Eigen::Vector3d::Zero());
 }
 
+Cause Planner::hindrance(const BallInput& ball) const noexcept {
+  if (std::isinf(ball.age)) return Cause::kNoVision;
+  if (ball.age > parameters_.estimate_timeout) return Cause::kVisionSilent;
+  if (!ball.seen) return Cause::kBallNotInView;
+  if (!finite(ball.ball)) return Cause::kBallNotFinite;
+  if (!within(parameters_.approach, ball.ball.p_WB.head<2>())) return Cause::kBallOutOfReach;
+  return Cause::kNone;
+}
+
+Cause Planner::hindrance(const Input& input, int& ball) const noexcept {
+  if (std::isinf(input.state_age)) return Cause::kNoState;
+  if (input.state_age > kStateTimeout) return Cause::kStateLate;
+  if (!input.p_WE.allFinite() || !input.v_WE.allFinite()) return Cause::kStateNotFinite;
+  for (ball = 0; ball < parameters_.balls; ++ball) {
+    const Cause cause = hindrance(input.balls[static_cast<std::size_t>(ball)]);
+    if (cause != Cause::kNone) return cause;
+  }
+  return Cause::kNone;
+}
+
 Situation Planner::situation(const Input& input) const noexcept {
   Situation situation{};
-  situation.state_fresh = input.state_fresh && input.p_WE.allFinite() && input.v_WE.allFinite();
-  situation.balls_at_hand = true;
-  for (int i = 0; i < parameters_.balls; ++i) {
-    const BallInput& ball = input.balls[static_cast<std::size_t>(i)];
-    situation.balls_at_hand = situation.balls_at_hand && ball.fresh && finite(ball.ball) &&
-                              within(parameters_.approach, ball.ball.p_WB.head<2>());
-  }
-  situation.hold_requested = input.hold_requested;
+  int ball = 0;
+  const Cause cause = hindrance(input, ball);
+  situation.state_fresh = !of_state(cause);
+  situation.balls_at_hand = cause == Cause::kNone;
   situation.start_pose_reached = approach_.settled(input.now);
   situation.returning = phase_ != Phase::kRoll;
   return situation;
+}
+
+bool Planner::in_view(const BallInput& ball) const noexcept {
+  const Cause cause = hindrance(ball);
+  return cause == Cause::kNone || cause == Cause::kBallOutOfReach;
+}
+
+RestInput Planner::rest_input(const Input& input, const Scene& scene,
+                              double period) const noexcept {
+  const auto worked = static_cast<std::size_t>(ball_);
+  const Ball& ball = scene.balls[worked];
+  return {input.now, period,    input.p_WE, input.v_WE, in_view(input.balls[worked]),
+          ball.p_WB, ball.v_WB};
+}
+
+void Planner::decide_rest(const Input& input, const Scene& scene, Situation& known) noexcept {
+  const auto worked = static_cast<std::size_t>(ball_);
+  const Ball& ball = scene.balls[worked];
+  const bool seen = in_view(input.balls[worked]);
+  // what is not seen is where it was: an end effector that stood on it still does
+  if (seen) {
+    const double gap = gap_between(parameters_.model, scene, ball_);
+    const double beside = (scene.p_WE - ball.p_WB).head<2>().norm();
+    on_ball_ = gap < kOnBallGap && beside < kOnBallBeside;
+  }
+  const bool working = mode_ == Mode::kRoll || mode_ == Mode::kReturn || mode_ == Mode::kRest;
+
+  const bool hold = std::holds_alternative<HoldTarget>(input.target);
+  if (!hold) {
+    stopping_since_ = -1.0;
+    not_brought_to_rest_ = false;
+  } else if (working && stopping_since_ < 0.0) {
+    stopping_since_ = input.now;
+  }
+  if (hold && working && input.now - stopping_since_ > kStoppingLimit) not_brought_to_rest_ = true;
+
+  const auto* to = std::get_if<PointTarget>(&input.target);
+  bool delivers = false;
+  if (to == nullptr || (delivered_ && *delivered_ != to->point)) {
+    delivered_.reset();
+  } else if (delivered_) {
+    const bool astray = seen && (ball.p_WB.head<2>() - to->point).norm() > kAstray;
+    if (!astray) astray_since_ = input.now;
+    if (input.now - astray_since_ > kAstrayTime) delivered_.reset();
+  } else {
+    const Eigen::Vector2d v = ball.v_WB.head<2>();
+    const Eigen::Vector2d stops = ball.p_WB.head<2>() + v * v.norm() / kStoppingRate;
+    delivers = mode_ == Mode::kRest || (stops - to->point).norm() < kDelivered;
+  }
+
+  const Rest::Stage stage = rest_.stage();
+  if (mode_ == Mode::kRest) {
+    known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
+    known.ball_left = stage == Rest::Stage::kLeft;
+  } else if (working) {
+    const bool on_ball = mode_ == Mode::kRoll && on_ball_;
+    known.rest_wanted = hold || (on_ball && (delivers || !known.balls_at_hand));
+  }
+  if (known.ball_left && delivers) {
+    delivered_ = to->point;
+    astray_since_ = input.now;
+  }
+  known.hold_requested = input.stopped || (hold && (!working || not_brought_to_rest_)) ||
+                         (delivered_ && mode_ == Mode::kHold);
+}
+
+void Planner::tell(const Input& input, const Scene& scene) noexcept {
+  int ball = ball_;
+  Cause cause = hindrance(input, ball);
+  if (cause == Cause::kNone) ball = ball_;
+  const bool hold = std::holds_alternative<HoldTarget>(input.target);
+  if (!of_state(cause)) {
+    if (input.stopped) {
+      cause = Cause::kStopped;
+    } else if (hold) {
+      cause = not_brought_to_rest_ ? Cause::kNotBroughtToRest : Cause::kAsked;
+    } else if (cause == Cause::kNone && delivered_) {
+      cause = Cause::kAtTarget;
+    }
+  }
+  if (mode_ != activity_.mode || cause != activity_.cause || ball != activity_.ball)
+    activity_.since = input.now;
+  activity_.mode = mode_;
+  activity_.cause = cause;
+  activity_.ball = std::min(ball, parameters_.balls - 1);
+  const auto meant = static_cast<std::size_t>(activity_.ball);
+  activity_.age = of_state(cause) ? input.state_age : input.balls[meant].age;
+  activity_.ball_at = scene.balls[meant].p_WB.head<2>();
+  activity_.ball_speed = scene.balls[meant].v_WB.head<2>().norm();
 }
 
 const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
@@ -104,15 +234,19 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   // one ball for a whole cycle: half-way to another one nothing is gained
   const int worked = ball_;
   const bool cycle_ended = mode_ == Mode::kRoll && phase_ != Phase::kRoll;
-  if (known.balls_at_hand && (mode_ == Mode::kWait || mode_ == Mode::kHold || cycle_ended))
+  const bool stopping = std::holds_alternative<HoldTarget>(input.target);
+  if (known.balls_at_hand && !stopping &&
+      (mode_ == Mode::kWait || mode_ == Mode::kHold || cycle_ended))
     ball_ = ball_to_work_on(parameters_.heuristic, parameters_.task, scene, ball_);
   known.other_ball = in_c3 && ball_ != worked;
+  decide_rest(input, scene, known);
 
   const Mode previous = mode_;
   mode_ = next(mode_, known);
   if (mode_ != previous) {
     if (mode_ == Mode::kApproach || mode_ == Mode::kHold) approach_.begin(input.p_WE);
-    if (previous == Mode::kApproach && mode_ == Mode::kReturn) {
+    if (mode_ == Mode::kRest) rest_.begin(rest_input(input, scene, period));
+    if (!in_c3 && mode_ == Mode::kReturn) {
       c3_since_ = input.now;
       phase_ = phase_at(parameters_.heuristic, 0.0);
       if (task_since_ < 0.0) task_since_ = input.now;
@@ -122,8 +256,14 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 
   switch (mode_) {
     case Mode::kWait:
-      hold(input.state_fresh ? input.p_WE : Eigen::Vector3d::Zero());
+      hold(known.state_fresh ? input.p_WE : Eigen::Vector3d::Zero());
       plan_.status = PlanStatus::kFallback;
+      break;
+    case Mode::kRest:
+      rest_.step(rest_input(input, scene, period));
+      hold(rest_.reference());
+      plan_.v_WE = rest_.velocity();
+      plan_.force_E.z() = rest_.press();
       break;
     case Mode::kHold:
       approach_.out_of_the_way({input.now, period, input.p_WE});
@@ -144,6 +284,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   }
   plan_.mode = mode_;
   plan_.ball = ball_;
+  tell(input, scene);
   return plan_;
 }
 
@@ -151,7 +292,7 @@ void Planner::observe_ball(const Input& input, const Scene& scene, bool in_c3) n
   if (!disturbance_) return;
   // before C3 has touched it somebody may hold the ball
   if (!in_c3) ball_touched_ = -1.0;
-  if (!in_c3 || !input.balls[0].fresh || !finite(input.balls[0].ball)) return;
+  if (!in_c3 || !in_view(input.balls[0])) return;
   const double gap = gap_between(parameters_.model, scene, 0);
   if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
   if (ball_touched_ < 0.0) return;
@@ -197,15 +338,16 @@ double Planner::lowered(Scene& scene, std::size_t worked) const noexcept {
 Eigen::Vector2d Planner::target(const Input& input, double ahead, const Scene& scene,
                                 int ball) const noexcept {
   const Eigen::Vector2d at = scene.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
-  const auto* line = std::get_if<LineTask>(&parameters_.task);
-  const Eigen::Vector2d wanted = input.circle ? circle_target(*input.circle, at)
-                                 : line
-                                     ? line_target(*line, at, balls_behind(*line, scene, ball))
-                                     : planner::target(parameters_.task, elapsed(input), ahead, at);
   const double reach = parameters_.heuristic.target_reach;
-  const Eigen::Vector2d way = wanted - at;
-  if (way.norm() <= reach) return wanted;
-  return at + reach * way.normalized();
+  if (const auto* circle = std::get_if<CircleTask>(&input.target))
+    return paced(at, circle_target(*circle, at), std::min(reach, kTargetPace));
+  if (const auto* point = std::get_if<PointTarget>(&input.target))
+    return paced(at, point->point, std::min(reach, kTargetPace));
+  const auto* line = std::get_if<LineTask>(&parameters_.task);
+  const Eigen::Vector2d wanted =
+      line ? line_target(*line, at, balls_behind(*line, scene, ball))
+           : planner::target(parameters_.task, elapsed(input), ahead, at);
+  return paced(at, wanted, reach);
 }
 
 double Planner::elapsed(const Input& input) const noexcept {
@@ -239,7 +381,10 @@ Scene Planner::estimate(const Input& input) const noexcept {
     Ball& ball = scene.balls[static_cast<std::size_t>(i)];
     ball = seen.ball;
     // the camera saw the ball a while ago; the arm's state is of now
-    if (parameters_.predict_ball) ball.p_WB = seen.ball.p_WB + seen.age * seen.ball.v_WB;
+    if (parameters_.predict_ball) {
+      const double age = std::min(seen.age, parameters_.estimate_timeout);
+      ball.p_WB = seen.ball.p_WB + age * seen.ball.v_WB;
+    }
   }
   return scene;
 }
@@ -300,9 +445,9 @@ void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline 
       const auto ball = static_cast<std::size_t>(i);
       const double ahead = k * parameters_.dt;
       desired.balls[ball].p_WB << target(input, ahead, seen, i), ball_height;
-      const Eigen::Vector2d v = input.circle
-                                    ? Eigen::Vector2d(Eigen::Vector2d::Zero())
-                                    : target_velocity(parameters_.task, elapsed(input), ahead);
+      const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
+                                    ? target_velocity(parameters_.task, elapsed(input), ahead)
+                                    : Eigen::Vector2d(Eigen::Vector2d::Zero());
       desired.balls[ball].v_WB << v, 0.0;
       // rolling without slipping
       desired.balls[ball].omega_WB << -v.y() / parameters_.model.ball_radius,

@@ -3,27 +3,29 @@
 // λ_d). Here is what surrounds Algorithm 3: what to do, and what is wanted.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Geometry>
 
+#include "controller/planner/activity.hpp"
 #include "controller/planner/approach.hpp"
 #include "controller/planner/ball_disturbance.hpp"
 #include "controller/planner/c3_step.hpp"
 #include "controller/planner/heuristic.hpp"
 #include "controller/planner/parameters.hpp"
+#include "controller/planner/rest.hpp"
+#include "controller/planner/target.hpp"
 
 namespace c3rt::planner {
-
-/// What the planner does; a ball that is lost or a state that is missing leads to kHold or kWait,
-/// and back.
-enum class Mode { kWait, kApproach, kRoll, kReturn, kHold };
 
 /// The mode logic alone, as a table: what comes next, given what is known.
 struct Situation {
   bool state_fresh;         // the robot's state is known
   bool balls_at_hand;       // of each a valid estimate younger than the timeout, within reach
-  bool hold_requested;      // a client asks to hold
+  bool hold_requested;      // a client asks to hold, and no ball has to be brought to rest for it
+  bool rest_wanted;         // the end effector is on a ball that is to lie still
+  bool ball_left;           // it has risen from a ball that lies still
   bool start_pose_reached;  // the approach has settled above a ball
   bool returning;           // Phase II of the heuristic
   bool other_ball;          // a cycle has ended and the next one is another ball's
@@ -32,18 +34,18 @@ Mode next(Mode mode, const Situation& situation);
 
 /// What is known of one ball.
 struct BallInput {
-  bool fresh;
-  double age;  // since the exposure [s]
-  Ball ball;   // at the exposure
+  bool seen = false;  // by vision, at the exposure; else the ball is where it was last seen
+  double age = std::numeric_limits<double>::infinity();  // since the exposure; before the first [s]
+  Ball ball;                                             // at the exposure
 };
 
 struct Input {
-  double now;  // session time [s]
-  bool state_fresh;
+  double now;        // session time [s]
+  double state_age;  // of what follows; infinite before the first [s]
   Eigen::Vector3d p_WE, v_WE;              // the end effector [m, m/s]
   std::array<BallInput, kMaxBalls> balls;  // the first Parameters::balls of them
-  bool hold_requested;
-  std::optional<CircleTask> circle;  // a client's, in place of the scenario's task
+  bool stopped;   // a person has stopped the robot
+  Target target;  // a client's
   double solve_time;  // duration of the previous solve [s], for DeltaTcSource::kSolveTime
 };
 
@@ -84,6 +86,9 @@ class Planner {
   };
   const Counters& counters() const noexcept { return counters_; }
 
+  /// What it is doing and why.
+  const Activity& activity() const noexcept { return activity_; }
+
   /// What is believed to accelerate a ball that nobody touches; 0 if it is not learnt [m/s²].
   Eigen::Vector2d disturbance() const noexcept {
     return disturbance_ ? disturbance_->acceleration() : Eigen::Vector2d(Eigen::Vector2d::Zero());
@@ -91,6 +96,16 @@ class Planner {
 
  private:
   Situation situation(const Input& input) const noexcept;
+  /// Why a ball cannot be worked on; kNone if it can.
+  Cause hindrance(const BallInput& ball) const noexcept;
+  /// The same of the first ball that cannot, and of the robot's state.
+  Cause hindrance(const Input& input, int& ball) const noexcept;
+  bool in_view(const BallInput& ball) const noexcept;
+  RestInput rest_input(const Input& input, const Scene& scene, double period) const noexcept;
+  /// What a client's target and the balls make of the situation: when a ball has to lie still.
+  void decide_rest(const Input& input, const Scene& scene, Situation& known) noexcept;
+  /// Keeps activity() true.
+  void tell(const Input& input, const Scene& scene) noexcept;
   /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
   /// it [m]
   double lowered(Scene& scene, std::size_t worked) const noexcept;
@@ -112,6 +127,13 @@ class Planner {
   Parameters parameters_;
   C3Step step_;
   Approach approach_;  // and hold
+  Rest rest_;
+  bool on_ball_ = false;          // the end effector touches it from above, when last seen
+  double stopping_since_ = -1.0;  // a rolling ball has to be brought to rest; negative: none [s]
+  bool not_brought_to_rest_ = false;           // within the time allowed
+  std::optional<Eigen::Vector2d> delivered_;   // to this point of a client, in W [m]
+  double astray_since_ = -1.0;    // it has moved away from there; negative: not [s]
+  Activity activity_;
   Plan plan_;
   Counters counters_;
   Mode mode_ = Mode::kWait;

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <limits>
 #include <optional>
+#include <string>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "config/process_options.hpp"
@@ -16,14 +19,15 @@
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
+#include "idl/faults.hpp"
 #include "idl/process.hpp"
+#include "idl/replies.hpp"
 
 namespace {
 
 using namespace c3rt;
 
 constexpr long kRobot = 0;
-constexpr double kStateTimeout = 0.1;  // [s]
 constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
@@ -46,8 +50,8 @@ struct Inputs {
   wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
   std::array<std::optional<wire::BallEstimate>, planner::kMaxBalls> balls;  // by key
-  bool has_state = false, hold = false;
-  std::optional<planner::CircleTask> circle;
+  bool has_state = false, stopped = false;
+  planner::Target target = planner::ScenarioTarget{};
   std::int64_t stall_until_ns = 0, nan_until_ns = 0;
 };
 
@@ -60,86 +64,88 @@ void take_estimates(Inputs& in, int balls, std::int64_t now_ns) {
   }
 }
 
-bool usable(const wire::TaskTarget& target) {
-  return std::isfinite(target.center_m[0]) && std::isfinite(target.center_m[1]) &&
-         std::isfinite(target.lead_rad) && std::abs(target.lead_rad) <= M_PI &&
-         target.radius_m >= 0.01 && target.radius_m <= 0.5;
-}
-
-// what strangers write is checked here; @return a sentence for the log, empty if nothing happened
-std::string take_target(Inputs& in) {
-  wire::TaskTarget target{};
-  std::string said;
-  while (in.targets.take(target)) {
-    switch (target.kind) {
-      case c3rt_v1_TARGET_SCENARIO:
-        in.circle.reset();
-        in.hold = false;
-        said = "target=scenario";
-        break;
-      case c3rt_v1_TARGET_HOLD:
-        in.hold = true;
-        said = "target=hold";
-        break;
-      case c3rt_v1_TARGET_CIRCLE:
-        if (!usable(target)) {
-          said =
-              "target=refused expected a finite centre, radius in [0.01, 0.5] m and lead in [-pi, "
-              "pi] rad";
-          break;
-        }
-        in.circle = planner::CircleTask{
-            {target.center_m[0], target.center_m[1]}, target.radius_m, target.lead_rad};
-        in.hold = false;
-        said = "target=circle";
-        break;
-      default:
-        said = "target=refused this planner knows scenario, hold and circle";
-    }
+/// A client's wish; nothing for a kind that this planner does not know.
+std::optional<planner::Target> target_of(const wire::TaskTarget& sample) {
+  const Eigen::Vector2d at(sample.center_m[0], sample.center_m[1]);
+  switch (sample.kind) {
+    case c3rt_v1_TARGET_SCENARIO:
+      return planner::ScenarioTarget{};
+    case c3rt_v1_TARGET_HOLD:
+      return planner::HoldTarget{};
+    case c3rt_v1_TARGET_CIRCLE:
+      return planner::CircleTask{at, sample.radius_m, sample.lead_rad};
+    case c3rt_v1_TARGET_POINT:
+      return planner::PointTarget{at};
   }
-  return said;
+  return std::nullopt;
 }
 
-void take_requests(Inputs& in, wire::Writer<wire::ServiceReply>& replies, std::int64_t now_ns) {
+// what strangers write is checked here
+void take_targets(Inputs& in, const planner::TargetLimits& limits, wire::Replies& replies,
+                  std::int64_t now_ns) {
+  wire::TaskTarget sample{};
+  while (in.targets.take(sample)) {
+    const auto target = target_of(sample);
+    const std::string refused =
+        target ? planner::check(*target, limits).sentence
+               : fmt::format("expected a target of kind 0 to 3 (scenario, hold, circle, point), got {}",
+                             static_cast<int>(sample.kind));
+    if (refused.empty()) in.target = *target;
+    const std::string said = refused.empty() ? planner::describe(in.target) : "refused: " + refused;
+    replies.answer(sample.request_id, refused.empty(), said, now_ns);
+    spdlog::log(refused.empty() ? spdlog::level::info : spdlog::level::warn, "planner: target {}",
+                said);
+  }
+}
+
+void take_requests(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
   wire::ServiceRequest request{};
   while (in.requests.take(request)) {
     if (request.process != c3rt_v1_PROCESS_PLANNER) continue;
-    wire::ServiceReply reply{};
-    reply.request_id = request.request_id;
-    reply.process = c3rt_v1_PROCESS_PLANNER;
-    reply.ok = true;
-    if (request.verb == c3rt_v1_REQUEST_STOP) in.hold = true;
-    if (request.verb == c3rt_v1_REQUEST_RECOVER) in.hold = false;
-    std::snprintf(reply.text, sizeof reply.text, "%s", in.hold ? "holding" : "planning");
-    replies.write(reply, now_ns);
+    if (request.verb == c3rt_v1_REQUEST_STOP) in.stopped = true;
+    if (request.verb == c3rt_v1_REQUEST_RECOVER) in.stopped = false;
+    replies.answer(request.request_id, true,
+                in.stopped ? "holding until recover"
+                           : "planning: " + planner::describe(in.target),
+                now_ns);
   }
+}
+
+void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
   wire::FaultInject fault{};
   while (in.faults.take(fault)) {
     if (fault.process != c3rt_v1_PROCESS_PLANNER) continue;
-    const std::int64_t until_ns = now_ns + nanoseconds(std::clamp(fault.duration_s, 0.0, 3600.0));
+    const std::string refused = wire::refusal(fault, {});
+    replies.answer(fault.request_id, refused.empty(),
+                refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
+    if (!refused.empty()) {
+      spdlog::warn("planner: fault refused: {}", refused);
+      continue;
+    }
+    spdlog::info("planner: fault {}", wire::describe(fault));
+    const std::int64_t until_ns = now_ns + nanoseconds(fault.duration_s);
     if (fault.kind == c3rt_v1_FAULT_STALL) in.stall_until_ns = until_ns;
     if (fault.kind == c3rt_v1_FAULT_NAN) in.nan_until_ns = until_ns;
     if (fault.kind == c3rt_v1_FAULT_NONE) in.stall_until_ns = in.nan_until_ns = 0;
   }
 }
 
-planner::BallInput ball_input(const wire::BallEstimate& seen, const planner::Parameters& parameters,
-                              std::int64_t now_ns) {
-  const double age = seconds(now_ns - seen.exposure_ns);
-  return {seen.valid && age <= parameters.estimate_timeout,
-          age,
+planner::BallInput ball_input(const wire::BallEstimate& seen, std::int64_t now_ns) {
+  return {seen.valid,
+          seconds(now_ns - seen.exposure_ns),
           {vector(seen.p_WB_m), vector(seen.v_WB_m_per_s), vector(seen.omega_rad_per_s),
            Eigen::Quaterniond(seen.q_WB[0], seen.q_WB[1], seen.q_WB[2], seen.q_WB[3])}};
 }
 
-planner::Input planner_input(const Inputs& in, const planner::Parameters& parameters,
-                             std::int64_t now_ns, model::Arm& arm, double solve_time) {
+planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& arm,
+                             double solve_time) {
   planner::Input input{};
   input.now = seconds(now_ns);
-  input.circle = in.circle;
-  input.hold_requested = in.hold;
+  input.target = in.target;
+  input.stopped = in.stopped;
   input.solve_time = solve_time;
-  input.state_fresh = in.has_state && seconds(now_ns - in.state.header.time_ns) <= kStateTimeout;
+  input.state_age = in.has_state ? seconds(now_ns - in.state.header.time_ns)
+                                 : std::numeric_limits<double>::infinity();
   if (in.has_state) {
     model::ArmState arm_state;
     arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad),
@@ -148,7 +154,7 @@ planner::Input planner_input(const Inputs& in, const planner::Parameters& parame
     input.v_WE = arm_state.V_WE.head<3>();
   }
   for (std::size_t i = 0; i < in.balls.size(); ++i) {
-    if (in.balls[i]) input.balls[i] = ball_input(*in.balls[i], parameters, now_ns);
+    if (in.balls[i]) input.balls[i] = ball_input(*in.balls[i], now_ns);
   }
   return input;
 }
@@ -163,6 +169,7 @@ c3rt_v1_PlanPhase phase_of(planner::Mode mode) {
       return c3rt_v1_PHASE_ROLL;
     case planner::Mode::kReturn:
       return c3rt_v1_PHASE_RETURN;
+    case planner::Mode::kRest:
     case planner::Mode::kHold:
       return c3rt_v1_PHASE_HOLD;
   }
@@ -207,6 +214,33 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
   return out;
 }
 
+/// What the planner is doing, in its status; and in the log where that is not its ordinary work.
+class Teller {
+ public:
+  Teller(wire::StatusReporter& status, const planner::Parameters& parameters)
+      : status_(status), parameters_(parameters) {}
+
+  void tell(const planner::Activity& activity, double now) {
+    const std::string text = planner::describe(activity, parameters_, now);
+    if (text == text_) return;
+    text_ = text;
+    status_.set_state(planner::needs_attention(activity) ? c3rt_v1_SERVICE_DEGRADED
+                                                         : c3rt_v1_SERVICE_RUNNING,
+                      text);
+    // a cause is told once, though its numbers go on
+    const bool new_cause = activity.cause != told_.cause || activity.ball != told_.ball;
+    const bool at_rest = activity.cause != planner::Cause::kNone && activity.mode != told_.mode;
+    if (new_cause || at_rest) spdlog::info("planner: {}", text);
+    told_ = activity;
+  }
+
+ private:
+  wire::StatusReporter& status_;
+  const planner::Parameters& parameters_;
+  planner::Activity told_;
+  std::string text_;
+};
+
 struct DeadlineClock {
   std::int64_t at_ns;
   static bool reached(void* context) noexcept {
@@ -231,7 +265,9 @@ int run(const config::ProcessOptions& options) {
   model::Arm arm(impedance::urdf_of(scenario.impedance));
   Inputs in(bus);
   wire::Writer<wire::Plan> writer(bus);
-  wire::Writer<wire::ServiceReply> replies(bus);
+  wire::Replies replies(bus, c3rt_v1_PROCESS_PLANNER);
+  const planner::TargetLimits limits = planner::target_limits(parameters);
+  Teller teller(status, parameters);
   const std::int64_t period_ns = nanoseconds(1.0 / parameters.rate);
   if (realtime) {
     const std::string refused = rt::setup_thread({kPriority, {}, false});
@@ -239,7 +275,6 @@ int run(const config::ProcessOptions& options) {
   }
   wire::Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, period_ns});
   double solve_time = scenario.timing.solve_time_s;
-  planner::Mode mode = planner::Mode::kWait;
   status.set_state(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
   spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N,
                scenario.name);
@@ -248,14 +283,15 @@ int run(const config::ProcessOptions& options) {
   while (loop.wait(now_ns)) {
     in.has_state |= in.states.take_effective(now_ns, in.state);
     take_estimates(in, parameters.balls, now_ns);
-    if (const std::string said = take_target(in); !said.empty()) spdlog::info("planner: {}", said);
+    take_targets(in, limits, replies, now_ns);
     take_requests(in, replies, now_ns);
+    take_faults(in, replies, now_ns);
     if (now_ns < in.stall_until_ns) continue;
 
     const std::int64_t started_ns = rt::now_ns();
     DeadlineClock clock{started_ns + nanoseconds(parameters.deadline_fraction / parameters.rate)};
     const planner::Plan& plan =
-        planner.step(planner_input(in, parameters, now_ns, arm, solve_time),
+        planner.step(planner_input(in, now_ns, arm, solve_time),
                      realtime ? c3::Deadline{&DeadlineClock::reached, &clock} : c3::Deadline{});
     const double measured = seconds(rt::now_ns() - started_ns);
     solve_time = realtime ? measured : scenario.timing.solve_time_s;
@@ -278,14 +314,7 @@ int run(const config::ProcessOptions& options) {
     truncated = planner.counters().truncated;
     fallbacks = planner.counters().fallbacks;
     ball_lost = planner.counters().ball_lost;
-    if (plan.mode != mode) {
-      mode = plan.mode;
-      static constexpr const char* kNames[] = {"wait", "approach", "roll", "return", "hold"};
-      status.set_state(
-          mode == planner::Mode::kHold ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
-          mode == planner::Mode::kHold ? "holding: no ball in view or in reach, or asked to hold"
-                                       : kNames[static_cast<int>(mode)]);
-    }
+    teller.tell(planner.activity(), seconds(now_ns));
   }
   if (!loop.failure().empty()) {
     spdlog::error("planner: stop: {}", loop.failure());

@@ -33,14 +33,14 @@ void ClosedLoop::step_1ms() {
   if (due(exposures_, scenario_.vision.rate)) {
     ++exposures_;
     Estimates estimates;
-    for (std::size_t i = 0; i < estimators_.size(); ++i) {
+    for (std::size_t i = 0; vision_runs_ && i < estimators_.size(); ++i) {
       vision::Measurement measurement;
       measurement.exposure_ns = now_ns_;
-      measurement.found = true;
+      measurement.found = in_view_;
       measurement.p_WB = sensor_.measure(state.balls[i].p_WB);
       estimates.push_back(estimators_[i].step(measurement));
     }
-    estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimates});
+    if (vision_runs_) estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimates});
   }
   while (!estimates_.empty() && estimates_.front().time_ns <= now_ns_) {
     newest_estimates_ = estimates_.front().value;
@@ -49,33 +49,7 @@ void ClosedLoop::step_1ms() {
 
   if (due(plans_made_, scenario_.planner.rate)) {
     ++plans_made_;
-    arm_.update(state.q, state.dq, arm_state_);
-    planner::Input input{};
-    input.now = time();
-    input.state_fresh = true;
-    input.p_WE = arm_state_.X_WE.translation();
-    input.v_WE = arm_state_.V_WE.head<3>();
-    for (std::size_t i = 0; i < newest_estimates_.size(); ++i) {
-      const vision::Estimate& seen = newest_estimates_[i];
-      input.balls[i] = {seen.valid,
-                        1e-9 * static_cast<double>(now_ns_ - seen.exposure_ns),
-                        {seen.p_WB, seen.v_WB, seen.omega_WB, seen.q_WB}};
-    }
-    input.solve_time = scenario_.timing.solve_time_s;
-    plan_ = planner_.step(input);
-    impedance::Plan plan;
-    plan.session_id = 1;
-    plan.stamp_ns = now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s,
-                                                   scenario_.planner.publish_delay));
-    plan.valid_until_ns = plan.stamp_ns + nanoseconds(scenario_.planner.valid_for);
-    plan.status = plan_.status == planner::PlanStatus::kFallback ? impedance::PlanStatus::kFallback
-                                                                 : impedance::PlanStatus::kOk;
-    plan.p_WE = plan_.p_WE;
-    plan.v_WE = plan_.v_WE;
-    plan.q_WE = plan_.q_WE;
-    plan.force_E = plan_.force_E;
-    plan.delta_t_c = plan_.delta_t_c;
-    plans_.push_back({plan.stamp_ns, plan});
+    if (planner_runs_) plan_now();
   }
   while (!plans_.empty() && plans_.front().time_ns <= now_ns_) {
     newest_plan_ = plans_.front().value;
@@ -99,6 +73,38 @@ void ClosedLoop::step_1ms() {
     plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
   plant_.step_1ms();
   now_ns_ += 1'000'000;
+}
+
+void ClosedLoop::plan_now() {
+  const plant::State& state = plant_.state();
+  arm_.update(state.q, state.dq, arm_state_);
+  planner::Input input{};
+  input.now = time();
+  input.state_age = 0.0;
+  input.p_WE = arm_state_.X_WE.translation();
+  input.v_WE = arm_state_.V_WE.head<3>();
+  for (std::size_t i = 0; i < newest_estimates_.size(); ++i) {
+    const vision::Estimate& seen = newest_estimates_[i];
+    input.balls[i] = {seen.valid,
+                      1e-9 * static_cast<double>(now_ns_ - seen.exposure_ns),
+                      {seen.p_WB, seen.v_WB, seen.omega_WB, seen.q_WB}};
+  }
+  input.target = target_;
+  input.solve_time = scenario_.timing.solve_time_s;
+  plan_ = planner_.step(input);
+  impedance::Plan plan;
+  plan.session_id = 1;
+  plan.stamp_ns = now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s,
+                                                 scenario_.planner.publish_delay));
+  plan.valid_until_ns = plan.stamp_ns + nanoseconds(scenario_.planner.valid_for);
+  plan.status = plan_.status == planner::PlanStatus::kFallback ? impedance::PlanStatus::kFallback
+                                                               : impedance::PlanStatus::kOk;
+  plan.p_WE = plan_.p_WE;
+  plan.v_WE = plan_.v_WE;
+  plan.q_WE = plan_.q_WE;
+  plan.force_E = plan_.force_E;
+  plan.delta_t_c = plan_.delta_t_c;
+  plans_.push_back({plan.stamp_ns, plan});
 }
 
 }  // namespace c3rt::test

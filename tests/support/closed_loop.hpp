@@ -19,6 +19,13 @@ class ClosedLoop {
   ClosedLoop(const config::Scenario& scenario, std::uint64_t seed);
   void step_1ms();
 
+  /// What a client wants of the planner.
+  void set_target(const planner::Target& target) { target_ = target; }
+  /// Whether vision sees the balls, and whether the planner and vision run at all.
+  void set_in_view(bool in_view) { in_view_ = in_view; }
+  void set_planner_runs(bool runs) { planner_runs_ = runs; }
+  void set_vision_runs(bool runs) { vision_runs_ = runs; }
+
   double time() const { return 1e-9 * static_cast<double>(now_ns_); }
   plant::Plant& plant() { return plant_; }
   const planner::Planner& planner() const { return planner_; }
@@ -29,6 +36,7 @@ class ClosedLoop {
   }
 
  private:
+  void plan_now();
   template <typename T>
   struct Stamped {
     std::int64_t time_ns;  // takes effect
@@ -53,6 +61,8 @@ class ClosedLoop {
   bool has_plan_ = false;
   planner::Plan plan_;
   impedance::Output output_{};
+  planner::Target target_ = planner::ScenarioTarget{};
+  bool in_view_ = true, planner_runs_ = true, vision_runs_ = true;
   std::int64_t now_ns_ = 0;
   std::uint64_t cycle_ = 0, exposures_ = 0, plans_made_ = 0;
 };

@@ -25,7 +25,7 @@ const Vector3d kBall(0.55, 0.1, -0.0245 + 0.0315);
 Input input_at(double now, const Vector3d& p_WE) {
   Input input{};
   input.now = now;
-  input.state_fresh = true;
+  input.state_age = 0.0;
   input.p_WE = p_WE;
   input.v_WE.setZero();
   input.balls[0] = {
@@ -67,7 +67,7 @@ bool finite(const Plan& plan) {
 TEST_CASE("planner: without the robot's state it waits, and its plan is marked as no plan") {
   Planner planner(parameters());
   Input input = input_at(0.0, Vector3d::Zero());
-  input.state_fresh = false;
+  input.state_age = 1.0;
   const Plan& plan = planner.step(input);
   CHECK(plan.mode == Mode::kWait);
   CHECK(plan.status == PlanStatus::kFallback);
@@ -128,13 +128,19 @@ TEST_CASE(
   Follower follower(p);
   REQUIRE(follower.until(Mode::kRoll, 2000));
   Vector3d where = follower.p_WE;
-  for (int i = 0; i < 200; ++i) {
+  // it stands on the ball, which first comes to rest
+  bool held = false;
+  for (int i = 0; i < 600; ++i) {
     Input input = input_at(follower.now, where);
     follower.now += follower.period;
-    input.balls[0].fresh = false;
+    input.balls[0].seen = false;
     const Plan& plan = follower.planner.step(input);
-    REQUIRE(plan.mode == Mode::kHold);
-    CHECK(plan.v_WE.isZero());
+    held = held || plan.mode == Mode::kHold;
+    REQUIRE(plan.mode == (held ? Mode::kHold : Mode::kRest));
+    if (held) {
+      CHECK(plan.v_WE.isZero());
+      CHECK(plan.force_E.isZero());
+    }
     CHECK((plan.p_WE - where).norm() <= p.approach.speed * follower.period + 1e-12);
     where = plan.p_WE;
   }
@@ -478,10 +484,10 @@ TEST_CASE("planner: one lost ball of several makes it hold, whichever it is") {
     Input input = balls_input(p, 0.0, {0.55, 0.1, 0.1}, Vector3d::Zero());
     CHECK(planner.step(input).mode == Mode::kApproach);
     input.now = 0.02;
-    input.balls[lost].fresh = false;
+    input.balls[lost].seen = false;
     CHECK(planner.step(input).mode == Mode::kHold);
     input.now = 0.04;
-    input.balls[lost].fresh = true;
+    input.balls[lost].seen = true;
     input.balls[lost].ball.p_WB.x() = 0.9;  // out of reach
     CHECK(planner.step(input).mode == Mode::kHold);
     input.now = 0.06;

@@ -1,0 +1,60 @@
+#pragma once
+// The end effector brings a rolling ball to rest, and leaves it lying still.
+#include <Eigen/Core>
+
+#include "controller/model/ball_model.hpp"
+
+namespace c3rt::planner {
+
+/// What a period begins with.
+struct RestInput {
+  double now;                  // session time [s]
+  double period;               // since the last call [s]
+  Eigen::Vector3d p_WE, v_WE;  // the end effector [m, m/s]
+  bool seen;                   // what follows is of now, else of when it was last seen
+  Eigen::Vector3d p_WB, v_WB;  // the ball [m, m/s]
+};
+
+/// A ball between the table and an end effector that presses on it rolls at half the end
+/// effector's speed: where the end effector comes to rest, the ball does, whatever the cameras say.
+/// So the end effector meets the ball from above and moves along with it, sinks until it stands on
+/// it, brakes, stands still, lets its press fade, and rises slowly, as a ball that nothing resists
+/// keeps the least speed that it is left with. On the ball the press alone decides the height.
+class Rest {
+ public:
+  enum class Stage { kMeet, kTouch, kBrake, kStand, kRelease, kRise, kLeft, kFailed };
+
+  /// @param leash the reference waits for an arm that is farther behind [m]
+  Rest(const model::BallModelParameters& model, double leash);
+
+  /// Anew from here, at the end effector's speed.
+  void begin(const RestInput& input) noexcept;
+  /// One period.
+  void step(const RestInput& input) noexcept;
+
+  Stage stage() const noexcept { return stage_; }
+  const Eigen::Vector3d& reference() const noexcept { return reference_; }  // in W [m]
+  const Eigen::Vector3d& velocity() const noexcept { return velocity_; }    // of it [m/s]
+  double press() const noexcept { return press_; }                          // down [N]
+
+ private:
+  void enter(Stage stage, double now) noexcept;
+  /// Changes the velocity towards what is wanted, and moves on.
+  void advance(const RestInput& input, const Eigen::Vector3d& velocity) noexcept;
+  void meet(const RestInput& input) noexcept;
+  void touch(const RestInput& input) noexcept;
+  double gap(const RestInput& input) const noexcept;
+
+  model::BallModelParameters model_;
+  double leash_;
+  Stage stage_ = Stage::kLeft;
+  double since_ = 0.0;        // of the stage [s]
+  double still_since_ = 0.0;  // of the end effector [s]
+  bool from_above_ = false;   // it touched the ball on its top
+  bool stopped_ = false;      // the ball was at rest once
+  double press_ = 0.0;
+  Eigen::Vector2d v_WB_ = Eigen::Vector2d::Zero();  // smoothed
+  Eigen::Vector3d reference_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace c3rt::planner

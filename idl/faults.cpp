@@ -1,0 +1,117 @@
+#include "idl/faults.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace c3rt::wire {
+namespace {
+
+template <typename... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+bool lasts(c3rt_v1_FaultKind kind) {
+  return kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
+}
+
+/// Stall, NaN and the end of all are of every process, the others of one.
+bool has(Process process, c3rt_v1_FaultKind kind) {
+  switch (kind) {
+    case c3rt_v1_FAULT_PUSH_BALL:
+    case c3rt_v1_FAULT_DROP_COMMANDS:
+      return process == c3rt_v1_PROCESS_PLANT;
+    case c3rt_v1_FAULT_FREEZE_CAMERA:
+    case c3rt_v1_FAULT_LOSE_BALL:
+      return process == c3rt_v1_PROCESS_VISION;
+    case c3rt_v1_FAULT_NONE:
+    case c3rt_v1_FAULT_STALL:
+    case c3rt_v1_FAULT_NAN:
+      return process == c3rt_v1_PROCESS_PLANT || process == c3rt_v1_PROCESS_IMPEDANCE ||
+             process == c3rt_v1_PROCESS_PLANNER || process == c3rt_v1_PROCESS_VISION;
+  }
+  return false;
+}
+
+std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
+  const double* impulse = fault.value;
+  const double size = std::hypot(std::hypot(impulse[0], impulse[1]), impulse[2]);
+  const int balls =
+      scope.ball_masses.empty() ? c3rt_v1_MAX_BALLS : static_cast<int>(scope.ball_masses.size());
+  if (fault.index < 0 || fault.index >= balls)
+    return text("expected a ball from 0 to %d, got %d", balls - 1, static_cast<int>(fault.index));
+  if (!std::isfinite(impulse[0]) || !std::isfinite(impulse[1]) || !std::isfinite(impulse[2])) {
+    return text("expected an impulse of finite numbers, got (%g, %g, %g) N s", impulse[0],
+                impulse[1], impulse[2]);
+  }
+  if (scope.ball_masses.empty()) return {};
+  const double mass = scope.ball_masses[static_cast<std::size_t>(fault.index)];
+  if (size <= mass * kHardestPush) return {};
+  return text("expected an impulse of at most %g N s, which gives ball %d of %g kg %g m/s, got %g",
+              mass * kHardestPush, static_cast<int>(fault.index), mass, kHardestPush, size);
+}
+
+}  // namespace
+
+const char* fault_name(c3rt_v1_FaultKind kind) {
+  switch (kind) {
+    case c3rt_v1_FAULT_NONE:
+      return "none";
+    case c3rt_v1_FAULT_PUSH_BALL:
+      return "push-ball";
+    case c3rt_v1_FAULT_DROP_COMMANDS:
+      return "drop-commands";
+    case c3rt_v1_FAULT_FREEZE_CAMERA:
+      return "freeze-camera";
+    case c3rt_v1_FAULT_LOSE_BALL:
+      return "lose-ball";
+    case c3rt_v1_FAULT_STALL:
+      return "stall";
+    case c3rt_v1_FAULT_NAN:
+      return "nan";
+  }
+  return "?";
+}
+
+std::string refusal(const FaultInject& fault, const FaultScope& scope) {
+  if (!has(fault.process, fault.kind)) {
+    const char* known = fault.process == c3rt_v1_PROCESS_PLANT
+                            ? "none, push-ball, drop-commands, stall or nan"
+                        : fault.process == c3rt_v1_PROCESS_VISION
+                            ? "none, freeze-camera, lose-ball, stall or nan"
+                            : "none, stall or nan";
+    return text("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
+                fault_name(fault.kind), static_cast<int>(fault.kind));
+  }
+  if (lasts(fault.kind) && !(fault.duration_s > 0.0 && fault.duration_s <= kLongestFault)) {
+    return text("expected a duration of more than 0 and at most %g s, got %g s", kLongestFault,
+                fault.duration_s);
+  }
+  if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) return refusal_of_push(fault, scope);
+  if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA) {
+    if (scope.cameras == 0) return "expected a scenario with cameras, as this one emulates them";
+    if (fault.index < 0 || (scope.cameras > 0 && fault.index >= scope.cameras)) {
+      return scope.cameras > 0 ? text("expected a camera from 0 to %d, got %d", scope.cameras - 1,
+                                      static_cast<int>(fault.index))
+                               : text("expected a camera from 0 on, got %d",
+                                      static_cast<int>(fault.index));
+    }
+  }
+  return {};
+}
+
+std::string describe(const FaultInject& fault) {
+  const char* name = fault_name(fault.kind);
+  if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) {
+    return text("%s %d by (%g, %g, %g) N s", name, static_cast<int>(fault.index), fault.value[0],
+                fault.value[1], fault.value[2]);
+  }
+  if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA)
+    return text("%s %d for %g s", name, static_cast<int>(fault.index), fault.duration_s);
+  if (lasts(fault.kind)) return text("%s for %g s", name, fault.duration_s);
+  return fault.kind == c3rt_v1_FAULT_NONE ? "every fault ended" : name;
+}
+
+}  // namespace c3rt::wire

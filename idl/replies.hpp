@@ -1,0 +1,31 @@
+#pragma once
+// A process's answers to clients' requests, targets and faults.
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "idl/dds.hpp"
+
+namespace c3rt::wire {
+
+class Replies {
+ public:
+  Replies(Bus& bus, Process process) : process_(process), writer_(bus) {}
+
+  /// @param request_id of what is answered; 0: no reply is wanted
+  void answer(std::uint64_t request_id, bool ok, const std::string& text, std::int64_t now_ns) {
+    if (request_id == 0) return;
+    ServiceReply reply{};
+    reply.request_id = request_id;
+    reply.process = process_;
+    reply.ok = ok;
+    std::snprintf(reply.text, sizeof reply.text, "%s", text.c_str());
+    writer_.write(reply, now_ns);
+  }
+
+ private:
+  Process process_;
+  Writer<ServiceReply> writer_;
+};
+
+}  // namespace c3rt::wire
