@@ -34,7 +34,7 @@ struct Live {
   double ball_error = kNone;  // newest distance to the path, of the worst ball [m]
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
-  std::uint64_t steps = 0;     // 1 kHz cycles of the plant so far
+  std::uint64_t steps = 0;                  // 1 kHz cycles of the plant so far
   std::vector<wire::RefusedCount> refused;  // by the recorder itself
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
 };

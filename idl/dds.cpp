@@ -179,8 +179,8 @@ struct Bus::Implementation {
         endpoints.end());
   }
 
-  /// Whether a new writer of that topic may tell of a new plant. What moves the robot goes first: once the robot's
-  /// state has been heard, no scene tells of another plant.
+  /// Whether a new writer of that topic may tell of a new plant. What moves the robot goes first:
+  /// once the robot's state has been heard, no scene tells of another plant.
   bool may_tell(Stream stream) const noexcept {
     return settings.session_id == 0 &&
            (stream == Stream::kRobotState || session_told_by.load() != Stream::kRobotState);
@@ -484,16 +484,18 @@ Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_
     // a client may know no session, and neither does a process that has not heard the plant
     return theirs == 0 || ours == 0 || theirs == ours ? Reason::kNone : Reason::kOtherSession;
   }
-  // a session begins with the plant, so it is told by whom this process takes for the plant, and by nobody else;
-  // a plant that was started again is another writer
+  // a session begins with the plant, so it is told by whom this process takes for the plant, and by
+  // nobody else; a plant that was started again is another writer
   Bus::Implementation& bus = *bus_.implementation_;
   const bool of_plant = topic_.writer == c3rt_v1_PROCESS_PLANT;
-  const bool new_plant = of_plant && bus.may_tell(topic_.stream) && source.owner.participant != self.one_writer.leader();
+  const bool new_plant = of_plant && bus.may_tell(topic_.stream) &&
+                         source.owner.participant != self.one_writer.leader();
   if (theirs == 0 || (theirs != ours && ours != 0 && !new_plant)) {
     return self.one_writer.has_other_than(source.owner.participant, now_ns) ? Reason::kSecondWriter
-                                                                 : Reason::kOtherSession;
+                                                                            : Reason::kOtherSession;
   }
-  if (!self.one_writer.admits(source.owner.participant, source.owner.strength, now_ns)) return Reason::kSecondWriter;
+  if (!self.one_writer.admits(source.owner.participant, source.owner.strength, now_ns))
+    return Reason::kSecondWriter;
   if (of_plant && theirs != ours) bus.adopt(theirs, topic_.stream);
   return Reason::kNone;
 }
@@ -553,8 +555,7 @@ int ReaderBase::pump() noexcept {
     Refusal refusal = validate(header, topic_.writer.has_value(), latest_ns);
     const Refusal value = refusal ? Refusal{} : check(slot);
     // nonsense makes nobody the writer of a topic
-    const bool stranger =
-        topic_.writer && source.owner.participant != self.one_writer.leader();
+    const bool stranger = topic_.writer && source.owner.participant != self.one_writer.leader();
     if (stranger && value) refusal = value;
     if (!refusal) refusal.reason = judge(header, source, now_ns);
     if (!refusal && source.newest != 0 && header.seq <= source.newest)

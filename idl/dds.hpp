@@ -31,8 +31,8 @@ struct BusSettings {
                             // CYCLONEDDS_URI
   ClockMode clock = ClockMode::kRealtime;
   std::uint64_t session_id = 0;  // 0: adopt the plant's
-  /// This process has the clock that the samples' times are of. A client on another host has not, and then no sample
-  /// is refused for lying ahead.
+  /// This process has the clock that the samples' times are of. A client on another host has not,
+  /// and then no sample is refused for lying ahead.
   bool shares_clock = true;
 };
 
@@ -88,7 +88,8 @@ class Bus {
   ClockMode clock() const;
   std::uint64_t session_id() const noexcept;      // 0 until the plant was heard
   void adopt_session(std::uint64_t id) noexcept;  // as if the plant had told it
-  /// What the readers of this bus have refused since their start, by topic and reason. From any thread.
+  /// What the readers of this bus have refused since their start, by topic and reason. From any
+  /// thread.
   std::vector<RefusedCount> refusals() const;
   /// Peers that discovery shows on our topics and that can never be served: incompatible QoS or
   /// types.
@@ -198,12 +199,13 @@ class ReaderBase {
 
   virtual void* sample_at(int slot) noexcept = 0;
   virtual Header& header_at(int slot) noexcept = 0;
-  virtual Refusal check(int slot) const noexcept = 0;                     // validate() of its type
+  virtual Refusal check(int slot) const noexcept = 0;                    // validate() of its type
   virtual void keep_refused(int slot, const Refusal& why) noexcept = 0;  // of a request
 
   /// Moves samples from DDS to the queue, in the order of their sequence numbers, and applies the
   /// rules: values, one writer, the plant's session (0 is a client's, where clients may write), a
-  /// growing sequence of each writer. What they refuse is counted by reason, with its writer's name.
+  /// growing sequence of each writer. What they refuse is counted by reason, with its writer's
+  /// name.
   /// @return number of samples accepted. No heap beyond Cyclone's while nothing new is refused.
   int pump() noexcept;
   /// The slot of the oldest queued sample that may be given out; -1 if there is none.
@@ -222,7 +224,7 @@ class ReaderBase {
   Reason judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept;
   void refuse(const Refusal& refusal, const Header& header, const Source& source) noexcept;
   RefusedCount refusal(Reason reason) const;  // what is known of it
-  void allow(std::uint64_t seq) noexcept;        // lockstep: give out samples up to here
+  void allow(std::uint64_t seq) noexcept;     // lockstep: give out samples up to here
 
   std::uint64_t newest_seq_ = 0;
   std::unique_ptr<Implementation> implementation_;
@@ -248,7 +250,8 @@ class Reader : public ReaderBase {
     pop();
     return true;
   }
-  /// Requests: the next one that was refused for its value, to be answered with the reason. At most 8 are kept.
+  /// Requests: the next one that was refused for its value, to be answered with the reason. At most
+  /// 8 are kept.
   bool take_refused(T& out, Refusal& why) noexcept {
     static_assert(kAnswered<T>);
     pump();

@@ -4,21 +4,24 @@
 
 namespace c3rt::wire {
 
-/// Strength (DDS: ownership strength) that the writers of c3rt's own processes offer. A client that plays a process
-/// offers none (0) and is obeyed while that process is not there.
+/// Strength (DDS: ownership strength) that the writers of c3rt's own processes offer. A client that
+/// plays a process offers none (0) and is obeyed while that process is not there.
 constexpr std::int32_t kProcessStrength = 100;
 
-/// The rule of a topic with one writer: the greatest strength leads, among equals the first that was heard. Another
-/// one takes over when it speaks while the leader is silent, both for `silence_ns`: a single stray sample takes nothing
-/// over, and neither does what had piled up while this process itself stood still. RT: no heap, no lock, no throw.
+/// The rule of a topic with one writer: the greatest strength leads, among equals the first that
+/// was heard. Another one takes over when it speaks while the leader is silent, both for
+/// `silence_ns`: a single stray sample takes nothing over, and neither does what had piled up while
+/// this process itself stood still. RT: no heap, no lock, no throw.
 class OneWriter {
  public:
-  /// @param silence_ns 0: a leader is never replaced for being silent (lockstep: the machine's time decides nothing)
+  /// @param silence_ns 0: a leader is never replaced for being silent (lockstep: the machine's time
+  /// decides nothing)
   /// @param least_strength weaker writers are never obeyed
   OneWriter(std::int64_t silence_ns, std::int32_t least_strength) noexcept
       : silence_ns_(silence_ns), least_strength_(least_strength) {}
 
-  /// Decides on one sample of that process (DDS: its participant), heard now. @return true if it is to be obeyed
+  /// Decides on one sample of that process (DDS: its participant), heard now. @return true if it is
+  /// to be obeyed
   bool admits(std::uint64_t writer, std::int32_t strength, std::int64_t now_ns) noexcept {
     if (strength < least_strength_) return false;
     if (writer == leader_) {

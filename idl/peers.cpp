@@ -112,7 +112,9 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
   decltype(unmatched_since_ns_) unmatched;
   const auto check = [&](const Endpoint& endpoint, const dds_builtintopic_endpoint_t& peer,
                          dds_instance_handle_t peer_handle) {
-    if (std::strcmp(peer.topic_name, endpoint.topic->name) != 0) return;
+    const bool same_topic = std::strcmp(peer.topic_name, endpoint.topic->name) == 0;
+    const bool same_type = std::strcmp(peer.type_name, endpoint.topic->descriptor->m_typename) == 0;
+    if (!same_topic && !same_type) return;
     if (std::memcmp(peer.participant_key.v, own.v, sizeof own.v) == 0) return;
     const char* here = endpoint.is_writer ? "this writer" : "this reader";
     const char* there = endpoint.is_writer ? "reader" : "writer";
@@ -122,7 +124,12 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
                                                   theirs + ", " + here + " " + mine});
     };
     const char* type = endpoint.topic->descriptor->m_typename;
-    if (std::strcmp(peer.type_name, type) != 0) {
+    if (!same_topic) {
+      report(std::string("of the same type is on the topic ") + peer.topic_name,
+             "on " + std::string(endpoint.topic->name));
+      return;
+    }
+    if (!same_type) {
       report(std::string("has type ") + peer.type_name, std::string("has type ") + type);
       return;
     }
@@ -138,9 +145,13 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
       }
       return;
     }
-    if (!same_addressee(qos.get(), peer.qos)) return;
     const auto partners = matched(endpoint);
     if (std::find(partners.begin(), partners.end(), peer_handle) != partners.end()) return;
+    if (!same_addressee(qos.get(), peer.qos)) {
+      if (!endpoint.topic->addressed)
+        report("is in " + partitions(peer.qos), "in " + partitions(qos.get()));
+      return;
+    }
     const std::pair key(endpoint.handle, peer_handle);
     const auto known = unmatched_since_ns_.find(key);
     const std::int64_t since_ns = known == unmatched_since_ns_.end() ? rt::now_ns() : known->second;

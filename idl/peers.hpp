@@ -23,7 +23,8 @@ class Peers {
  public:
   explicit Peers(std::int32_t participant);
   std::vector<PeerProblem> problems(const std::vector<Endpoint>& ours);
-  /// Whose writer it is: "python3 (pid 12)", with the host where that is another one. From any thread.
+  /// Whose writer it is: "python3 (pid 12)", with the host where that is another one. From any
+  /// thread.
   std::string name_of_writer(std::int32_t reader, std::uint64_t writer) const;
 
  private:

@@ -77,12 +77,12 @@ class LockstepMaster {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Publishes service/status at 10 Hz from a thread of its own; the loop only sets atomics. What goes wrong with peers
-/// and what readers refuse is told there, too.
+/// Publishes service/status at 10 Hz from a thread of its own; the loop only sets atomics. What
+/// goes wrong with peers and what readers refuse is told there, too.
 class StatusReporter {
  public:
-  /// @param log gets a sentence for every new problem with a peer and every new kind of refused samples, from the
-  /// reporter's thread
+  /// @param log gets a sentence for every new problem with a peer and every new kind of refused
+  /// samples, from the reporter's thread
   StatusReporter(Bus& bus, Process process, std::function<void(const std::string&)> log = {});
   ~StatusReporter();  // publishes SERVICE_STOPPING (a SERVICE_FAILED stays)
   void set_state(c3rt_v1_ServiceState state, std::string_view text);  // not for the servo thread
@@ -115,8 +115,9 @@ void become_helper_thread(const char* name) noexcept;
 /// late however punctual the servo is.
 void become_bus_thread(const char* name) noexcept;
 
-/// DDS -> servo thread, for topics with one writer. Realtime: a helper thread takes, the servo thread gets the newest,
-/// wait-free. Lockstep: no thread; the samples that the tick promised are taken directly.
+/// DDS -> servo thread, for topics with one writer. Realtime: a helper thread takes, the servo
+/// thread gets the newest, wait-free. Lockstep: no thread; the samples that the tick promised are
+/// taken directly.
 template <typename T>
 class Inlet {
  public:

@@ -79,6 +79,9 @@ bool in_lockstep(const Topic& topic, ClockMode clock) {
 const char* name(dds_reliability_kind_t kind) {
   return kind == DDS_RELIABILITY_RELIABLE ? "RELIABLE" : "BEST_EFFORT";
 }
+const char* name(dds_ownership_kind_t kind) {
+  return kind == DDS_OWNERSHIP_EXCLUSIVE ? "EXCLUSIVE ownership" : "SHARED ownership";
+}
 const char* name(dds_durability_kind_t kind) {
   switch (kind) {
     case DDS_DURABILITY_VOLATILE:
@@ -170,6 +173,12 @@ QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth,
   return qos;
 }
 
+std::string partitions(const dds_qos_t* qos) {
+  std::string text;
+  for (const std::string& name : addressees(qos)) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "no partition" : "the partition " + text;
+}
+
 bool same_addressee(const dds_qos_t* one, const dds_qos_t* other) {
   const std::set<std::string> a = addressees(one), b = addressees(other);
   return (a.empty() && b.empty()) || std::any_of(a.begin(), a.end(), [&](const std::string& name) {
@@ -185,6 +194,14 @@ bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement
       dds_qget_reliability(requested, &requested_reliability, &unused) &&
       offered_reliability < requested_reliability) {
     difference = {name(offered_reliability), name(requested_reliability)};
+    return true;
+  }
+  dds_ownership_kind_t offered_ownership = DDS_OWNERSHIP_SHARED,
+                       requested_ownership = offered_ownership;
+  if (dds_qget_ownership(offered, &offered_ownership) &&
+      dds_qget_ownership(requested, &requested_ownership) &&
+      offered_ownership != requested_ownership) {
+    difference = {name(offered_ownership), name(requested_ownership)};
     return true;
   }
   dds_durability_kind_t offered_durability = DDS_DURABILITY_VOLATILE,

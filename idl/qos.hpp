@@ -32,6 +32,9 @@ struct Disagreement {
 };
 bool disagree(const dds_qos_t* offered, const dds_qos_t* requested, Disagreement& difference);
 
+/// "the partition left" or "no partition".
+std::string partitions(const dds_qos_t* qos);
+
 /// False where the samples of one are addressed to other processes than the other's.
 bool same_addressee(const dds_qos_t* one, const dds_qos_t* other);
 

@@ -18,9 +18,9 @@ namespace c3rt::wire {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 100'000'000;
-constexpr int kProblemsEvery = 10;  // reports between two looks at the peers
+constexpr int kProblemsEvery = 10;      // reports between two looks at the peers
 constexpr std::size_t kMostTold = 200;  // a peer with a new name every second shall fill no disk
-constexpr int kRateOver = 10;       // reports that the measured rate is averaged over
+constexpr int kRateOver = 10;           // reports that the measured rate is averaged over
 
 Quantiles to_wire(const rt::Quantiles& quantiles) {
   return {quantiles.count, quantiles.p50_s,  quantiles.p95_s,
@@ -31,10 +31,10 @@ template <std::size_t Size>
 void copy(char (&target)[Size], std::string_view text) {
   const std::size_t length = std::min(text.size(), Size - 1);
   // a control letter would spoil a terminal, and readers refuse it
-  std::transform(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), target,
-                 [](char letter) {
-                   return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? ' ' : letter;
-                 });
+  std::transform(
+      text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), target, [](char letter) {
+        return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? ' ' : letter;
+      });
   target[length] = '\0';
 }
 

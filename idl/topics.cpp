@@ -28,45 +28,22 @@ const char* process_name(Process process) {
 
 namespace {
 
-constexpr Topic kRobotState{"robot/state",       &c3rt_v1_RobotState_desc,
-                            Qos::kStream,        Stream::kRobotState,
-                            0.02,                false,
-                            c3rt_v1_PROCESS_PLANT};
-constexpr Topic kRobotCommand{"robot/command",         &c3rt_v1_RobotCommand_desc,
-                              Qos::kStream,            Stream::kRobotCommand,
-                              0.02,                    false,
-                              c3rt_v1_PROCESS_IMPEDANCE};
-constexpr Topic kPlan{"plan",       &c3rt_v1_Plan_desc,
-                      Qos::kPlan,   Stream::kPlan,
-                      0.0,          false,
-                      c3rt_v1_PROCESS_PLANNER};
-constexpr Topic kBallDetection{"ball/detection",       &c3rt_v1_BallDetection_desc,
-                               Qos::kStream,           Stream::kBallDetection,
-                               0.0,                    false,
-                               c3rt_v1_PROCESS_VISION};
-constexpr Topic kBallEstimate{"ball/estimate",        &c3rt_v1_BallEstimate_desc,
-                              Qos::kStream,           Stream::kBallEstimate,
-                              0.1,                    false,
-                              c3rt_v1_PROCESS_VISION};
-constexpr Topic kTaskTarget{"task/target", &c3rt_v2_TaskTarget_desc, Qos::kEvent, Stream::kNone,
-                            0.0};
-constexpr Topic kScene{"sim/scene",  &c3rt_v1_Scene_desc,
-                       Qos::kStream, Stream::kScene,
-                       0.0,          false,
-                       c3rt_v1_PROCESS_PLANT};
-constexpr Topic kTick{"sim/tick",    &c3rt_v1_Tick_desc,
-                      Qos::kSync,    Stream::kNone,
-                      0.0,           true,
-                      c3rt_v1_PROCESS_PLANT};
-constexpr Topic kDone{"sim/done", &c3rt_v1_Done_desc, Qos::kSync, Stream::kNone, 0.0};
-constexpr Topic kServiceStatus{"service/status", &c3rt_v2_ServiceStatus_desc, Qos::kStatus,
-                               Stream::kNone, 0.0};
-constexpr Topic kServiceRequest{"service/request", &c3rt_v1_ServiceRequest_desc, Qos::kEvent,
-                                Stream::kNone, 0.0};
-constexpr Topic kServiceReply{"service/reply", &c3rt_v2_ServiceReply_desc, Qos::kEvent,
-                              Stream::kNone, 0.0};
-constexpr Topic kFaultInject{"fault/inject", &c3rt_v2_FaultInject_desc, Qos::kEvent, Stream::kNone,
-                             0.0};
+constexpr std::nullopt_t kMany = std::nullopt;  // clients, or every process
+// clang-format off
+constexpr Topic kRobotState    {"robot/state",     &c3rt_v1_RobotState_desc,     Qos::kStream, Stream::kRobotState,    c3rt_v1_PROCESS_PLANT,     0.02};
+constexpr Topic kRobotCommand  {"robot/command",   &c3rt_v1_RobotCommand_desc,   Qos::kStream, Stream::kRobotCommand,  c3rt_v1_PROCESS_IMPEDANCE, 0.02};
+constexpr Topic kPlan          {"plan",            &c3rt_v1_Plan_desc,           Qos::kPlan,   Stream::kPlan,          c3rt_v1_PROCESS_PLANNER,   0.0};
+constexpr Topic kBallDetection {"ball/detection",  &c3rt_v1_BallDetection_desc,  Qos::kStream, Stream::kBallDetection, c3rt_v1_PROCESS_VISION,    0.0};
+constexpr Topic kBallEstimate  {"ball/estimate",   &c3rt_v1_BallEstimate_desc,   Qos::kStream, Stream::kBallEstimate,  c3rt_v1_PROCESS_VISION,    0.1};
+constexpr Topic kTaskTarget    {"task/target",     &c3rt_v2_TaskTarget_desc,     Qos::kEvent,  Stream::kNone,          kMany,                     0.0};
+constexpr Topic kScene         {"sim/scene",       &c3rt_v1_Scene_desc,          Qos::kStream, Stream::kScene,         c3rt_v1_PROCESS_PLANT,     0.0};
+constexpr Topic kTick          {"sim/tick",        &c3rt_v1_Tick_desc,           Qos::kSync,   Stream::kNone,          c3rt_v1_PROCESS_PLANT,     0.0, true};
+constexpr Topic kDone          {"sim/done",        &c3rt_v1_Done_desc,           Qos::kSync,   Stream::kNone,          kMany,                     0.0};
+constexpr Topic kServiceStatus {"service/status",  &c3rt_v2_ServiceStatus_desc,  Qos::kStatus, Stream::kNone,          kMany,                     0.0};
+constexpr Topic kServiceRequest{"service/request", &c3rt_v1_ServiceRequest_desc, Qos::kEvent,  Stream::kNone,          kMany,                     0.0};
+constexpr Topic kServiceReply  {"service/reply",   &c3rt_v2_ServiceReply_desc,   Qos::kEvent,  Stream::kNone,          kMany,                     0.0};
+constexpr Topic kFaultInject   {"fault/inject",    &c3rt_v2_FaultInject_desc,    Qos::kEvent,  Stream::kNone,          kMany,                     0.0};
+// clang-format on
 
 }  // namespace
 

@@ -65,13 +65,14 @@ struct Topic {
   const dds_topic_descriptor_t* descriptor;
   Qos qos;
   Stream stream;
+  /// The one process that writes it, where there must be only one: what moves the robot and what
+  /// that is made from. A reader obeys one writer (one_writer.hpp), in the plant's session alone;
+  /// others are refused and named.
+  std::optional<Process> writer;
   double deadline_s;  // 0: none. Requested and offered where the topic is periodic (realtime only).
   /// Each sample is for one process: writers and readers may name it, and then it costs nobody else
   /// anything. Who names no process writes to and reads of all.
   bool addressed = false;
-  /// The one process that writes it, where there must be only one: what moves the robot and what that is made from.
-  /// A reader obeys one writer (one_writer.hpp), in the plant's session alone; others are refused and named.
-  std::optional<Process> writer = {};
 };
 
 template <typename T>

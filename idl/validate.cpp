@@ -12,23 +12,23 @@ namespace c3rt::wire {
 namespace {
 
 // what a number of this robot, its table and its balls can be
-constexpr double kReach_m = 5.0;              // of the arm, with room
+constexpr double kReach_m = 5.0;  // of the arm, with room
 constexpr double kEffectorSpeed_m_per_s = 10.0;
 constexpr double kForce_n = 1e3;
 constexpr double kJoint_rad = 10.0;
 constexpr double kJointSpeed_rad_per_s = 100.0;
 constexpr double kTorque_nm = 1e3;
-constexpr double kBallSeen_m = 10.0;          // a camera sees no farther
+constexpr double kBallSeen_m = 10.0;  // a camera sees no farther
 constexpr double kBallSpeed_m_per_s = 20.0;
 constexpr double kBallSpin_rad_per_s = 2e3;
-constexpr double kBallAnywhere_m = 1e6;       // truth: a table has no end, a ball may roll for hours
+constexpr double kBallAnywhere_m = 1e6;  // truth: a table has no end, a ball may roll for hours
 constexpr double kBallSpeedAnywhere_m_per_s = 1e4;
 constexpr double kBallSpinAnywhere_rad_per_s = 1e6;
 constexpr double kQuaternionTolerance = 1e-2;
 constexpr double kPixels = 1e5;
 constexpr int kCameras = 64;
-constexpr double kLongestPlan_s = 10.0;       // a plan is an answer to what was just seen
-constexpr double kLongest_s = 3600.0;         // of a fault, a target's lead time
+constexpr double kLongestPlan_s = 10.0;  // a plan is an answer to what was just seen
+constexpr double kLongest_s = 3600.0;    // of a fault, a target's lead time
 constexpr double kAnything = std::numeric_limits<double>::max();
 constexpr double kLargestSequence = 9007199254740992.0;  // 2^53: 285,000 years at 1 kHz
 
@@ -82,7 +82,7 @@ class Check {
   }
   /// A stamp of what came before this sample; 0 is none.
   Check& stamp(const char* field, std::int64_t stamp_ns) noexcept {
-    const bool good = stamp_ns >= 0 && (stamp_ns <= time_ns_ || stamp_ns - time_ns_ <= kAhead_ns);
+    const bool good = stamp_ns >= 0 && stamp_ns - kAhead_ns <= time_ns_;
     if (!good) within(field, static_cast<double>(stamp_ns) * 1e-9, 0.0, latest(kAhead_ns));
     return *this;
   }
@@ -99,8 +99,13 @@ class Check {
     std::uint32_t raw = 0;
     std::memcpy(&raw, &value, sizeof raw);
     if (!found_ && raw > static_cast<std::uint32_t>(last))
-      found_ = {Reason::kValue, field, -1, Refusal::Expected::kEnumerator,
-                static_cast<double>(raw), 0.0, static_cast<double>(last)};
+      found_ = {Reason::kValue,
+                field,
+                -1,
+                Refusal::Expected::kEnumerator,
+                static_cast<double>(raw),
+                0.0,
+                static_cast<double>(last)};
     return *this;
   }
   Check& truth(const char* field, const bool& value) noexcept {
@@ -112,13 +117,19 @@ class Check {
   template <std::size_t n>
   Check& text(const char* field, const char (&value)[n], int index = -1) noexcept {
     const void* end = std::memchr(value, '\0', n);
-    const auto length = end == nullptr ? n : static_cast<std::size_t>(static_cast<const char*>(end) - value);
+    const auto length =
+        end == nullptr ? n : static_cast<std::size_t>(static_cast<const char*>(end) - value);
     const bool printable = std::none_of(value, value + length, [](char letter) {
       return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f;
     });
     if (!found_ && (end == nullptr || !printable))
-      found_ = {Reason::kValue, field, index, Refusal::Expected::kText,
-                static_cast<double>(length), 0.0, static_cast<double>(n - 1)};
+      found_ = {Reason::kValue,
+                field,
+                index,
+                Refusal::Expected::kText,
+                static_cast<double>(length),
+                0.0,
+                static_cast<double>(n - 1)};
     return *this;
   }
   Check& quantiles(const char* field, const Quantiles& q) noexcept {
@@ -242,9 +253,10 @@ Refusal validate(const Plan& s) noexcept {
   return Check(s.header)
       .within("robot", s.robot, 0, 0)
       .stamps(s.origin)
-      .within("valid_until_ns after time_ns in seconds",
-              (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns)) * 1e-9,
-              0.0, kLongestPlan_s)
+      .within(
+          "valid_until_ns after time_ns in seconds",
+          (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns)) * 1e-9,
+          0.0, kLongestPlan_s)
       .enumerator("status", s.status, c3rt_v1_PLAN_FALLBACK)
       .enumerator("phase", s.phase, c3rt_v1_PHASE_HOLD)
       .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)

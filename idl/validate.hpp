@@ -1,6 +1,7 @@
 #pragma once
-// What may come in: one check for every type of the wire, used by every reader. Whatever passes can be used without
-// looking again: counts fit their arrays, enumerators are known, numbers are finite and of this world, texts end.
+// What may come in: one check for every type of the wire, used by every reader. Whatever passes can
+// be used without looking again: counts fit their arrays, enumerators are known, numbers are finite
+// and of this world, texts end.
 #include <cstdint>
 #include <string>
 
@@ -32,10 +33,12 @@ struct Refusal {
   explicit operator bool() const noexcept { return reason != Reason::kNone; }
 };
 
-/// "N is 1000000, expected 0 to 10", "zero quaternion q_WE_desired: norm 0, expected 1". Empty for no refusal.
+/// "N is 1000000, expected 0 to 10", "zero quaternion q_WE_desired: norm 0, expected 1". Empty for
+/// no refusal.
 std::string to_text(const Refusal& refusal);
 
-/// No stamp lies further ahead of the sample that carries it, and no sample further ahead of its reader's clock.
+/// No stamp lies further ahead of the sample that carries it, and no sample further ahead of its
+/// reader's clock.
 constexpr std::int64_t kAhead_ns = 1'000'000'000;
 
 /// Rules of the header that hold for every sample: the sequence begins at 1.
@@ -43,8 +46,8 @@ constexpr std::int64_t kAhead_ns = 1'000'000'000;
 /// RT: no heap, no lock, no throw.
 Refusal validate(const Header& header, bool one_writer, std::int64_t latest_ns) noexcept;
 
-// Each of these is RT: no heap, no lock, no throw. The ranges are wide: they keep out what cannot be, not what a
-// controller would rather not have.
+// Each of these is RT: no heap, no lock, no throw. The ranges are wide: they keep out what cannot
+// be, not what a controller would rather not have.
 Refusal validate(const RobotState& sample) noexcept;
 Refusal validate(const RobotCommand& sample) noexcept;
 Refusal validate(const Plan& sample) noexcept;

@@ -24,8 +24,8 @@ using test::kMs;
 using test::kSecond;
 using test::plain;
 
-/// A writer that fills in nothing: session and sequence are the test's. What a client is, unless it is told to be as
-/// strong as a process.
+/// A writer that fills in nothing: session and sequence are the test's. What a client is, unless it
+/// is told to be as strong as a process.
 class RawWriter {
  public:
   RawWriter(const Bus& bus, const Topic& topic, std::int32_t strength = 0) {
@@ -268,8 +268,8 @@ TEST_CASE("Reader: nobody but the plant begins a session") {
   target_writer.write(TaskTarget{}, 500, 1);
   target_writer.write(TaskTarget{}, 0, 2);
   status_writer.write(ServiceStatus{}, 700, 1);
-  // before the plant is heard, everybody may be of its session: in lockstep the plan of a tick may arrive before the
-  // tick itself, and must not be lost
+  // before the plant is heard, everybody may be of its session: in lockstep the plan of a tick may
+  // arrive before the tick itself, and must not be lost
   CHECK(take(estimates, 1).size() == 1);
   CHECK(take(plans, 1).size() == 1);
   CHECK(take(targets, 2).size() == 2);
@@ -409,7 +409,8 @@ TEST_CASE("Reader: the process's own writer is obeyed before a client that plays
 }
 
 TEST_CASE("Reader: in lockstep a client's plan is not obeyed even if it comes first") {
-  Bus client(test::settings(ClockMode::kLockstep)), planner(test::settings(ClockMode::kLockstep, 7)),
+  Bus client(test::settings(ClockMode::kLockstep)),
+      planner(test::settings(ClockMode::kLockstep, 7)),
       bus(test::settings(ClockMode::kLockstep, 7));
   Reader<Plan> reader(bus);
   RawWriter stray(client, topic<Plan>());
@@ -702,6 +703,47 @@ TEST_CASE("Bus: a peer with incompatible QoS or another type is reported by topi
       Catch::Contains("has type c3rt::v1::RobotCommand, this reader has type c3rt::v1::Plan"));
   CHECK_THAT(text["task/target"],
              Catch::Contains("offers VOLATILE, this reader requests TRANSIENT_LOCAL"));
+}
+
+TEST_CASE("Bus: a peer on a misspelt topic, in a partition or with ownership is told of") {
+  test::Child peer([] {
+    Bus bus(test::settings());
+    const auto writer = [&](const char* name, const Topic& type, auto&& change) {
+      dds_qos_t* qos = dds_create_qos();
+      dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
+      dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+      dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_SECS(1));
+      change(qos);
+      dds_create_writer(
+          bus.participant(),
+          dds_create_topic(bus.participant(), type.descriptor, name, nullptr, nullptr), qos,
+          nullptr);
+      dds_delete_qos(qos);
+    };
+    writer("task/targets", topic<TaskTarget>(), [](dds_qos_t*) {});
+    writer("fault/inject", topic<FaultInject>(),
+           [](dds_qos_t* qos) { dds_qset_partition1(qos, "left"); });
+    writer("plan", topic<Plan>(),
+           [](dds_qos_t* qos) { dds_qset_ownership(qos, DDS_OWNERSHIP_EXCLUSIVE); });
+    sleep(30);
+    return 0;
+  });
+  Bus bus(test::settings());
+  Reader<TaskTarget> targets(bus);
+  Reader<FaultInject> faults(bus);
+  Reader<Plan> plans(bus);
+  std::map<std::string, std::string> text;
+  REQUIRE(eventually([&] {
+    for (const PeerProblem& problem : bus.problems()) text[problem.topic] = problem.text;
+    return text.size() == 3;
+  }));
+  CHECK_THAT(text["task/target"],
+             Catch::Contains("of the same type is on the topic task/targets") &&
+                 Catch::Contains("(pid " + std::to_string(peer.pid()) + ")"));
+  CHECK_THAT(text["fault/inject"],
+             Catch::Contains("is in the partition left, this reader in no partition"));
+  CHECK_THAT(text["plan"], Catch::Contains("offers EXCLUSIVE ownership, this reader requests "
+                                           "SHARED ownership"));
 }
 
 TEST_CASE(

@@ -45,7 +45,9 @@ int impedance() {
     command.origin.plan_ns = static_cast<std::int64_t>(plan.header.seq);
     commands.write(command, now_ns);
   }
-  return states.counters().lost + states.counters().refused_for(Reason::kOldSequence) == 0 ? stopped(loop) : 3;
+  return states.counters().lost + states.counters().refused_for(Reason::kOldSequence) == 0
+             ? stopped(loop)
+             : 3;
 }
 
 /// Plans every 13 ms; odd plans take effect at once, which only works if nobody sees them within

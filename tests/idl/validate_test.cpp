@@ -1,0 +1,261 @@
+#include "idl/validate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include <catch2/catch.hpp>
+
+#include "tests/idl/samples.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/random.hpp"
+
+namespace c3rt::wire {
+namespace {
+
+using support::Random;
+using test::plain;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// ---- what a consumer needs, written again, without the checks of idl/validate.cpp
+
+template <typename E>
+bool known(const E& value, int last) {
+  std::uint32_t raw = 0;
+  std::memcpy(&raw, &value, sizeof raw);
+  return raw <= static_cast<std::uint32_t>(last);
+}
+bool known(const bool& value) {
+  unsigned char raw = 0;
+  std::memcpy(&raw, &value, 1);
+  return raw <= 1;
+}
+template <std::size_t n>
+bool below(const double (&values)[n], double bound) {
+  for (const double value : values) {
+    if (!std::isfinite(value) || std::fabs(value) > bound) return false;
+  }
+  return true;
+}
+bool unit(const double (&q)[4]) {
+  return below(q, 2.0) &&
+         std::fabs(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) - 1.0) <= 0.0101;
+}
+template <std::size_t n>
+bool ends(const char (&text)[n]) {
+  for (const char letter : text) {
+    if (letter == '\0') return true;
+    if (static_cast<unsigned char>(letter) < ' ') return false;
+  }
+  return false;
+}
+// a difference of two stamps must be a number of seconds, not an overflow
+bool near(std::int64_t stamp_ns, std::int64_t time_ns) {
+  return stamp_ns >= 0 && static_cast<double>(stamp_ns) - static_cast<double>(time_ns) <= 1.001e9;
+}
+bool near(const Origin& origin, std::int64_t time_ns) {
+  return near(origin.exposure_ns, time_ns) && near(origin.estimate_ns, time_ns) &&
+         near(origin.state_ns, time_ns) && near(origin.plan_ns, time_ns);
+}
+
+bool usable(const RobotState& s) {
+  const bool told = s.q_WE[0] != 0 || s.q_WE[1] != 0 || s.q_WE[2] != 0 || s.q_WE[3] != 0;
+  return s.robot == 0 && below(s.q_rad, 10) && below(s.dq_rad_per_s, 100) && below(s.tau_nm, 1e3) &&
+         below(s.p_WE_m, 5) && (!told || unit(s.q_WE)) && known(s.mode, 3) &&
+         s.command_success_rate >= 0 && s.command_success_rate <= 1 &&
+         near(s.command_state_ns, s.header.time_ns);
+}
+bool usable(const RobotCommand& s) {
+  return s.robot == 0 && near(s.origin, s.header.time_ns) && below(s.tau_nm, 1e3) &&
+         known(s.mode, 3) && below(s.p_WE_desired_m, 5) && below(s.v_WE_desired_m_per_s, 10);
+}
+bool usable(const Plan& s) {
+  const double valid_s =
+      1e-9 * (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns));
+  if (s.n_x < 0 || s.n_x > 48 || s.n_lambda < 0 || s.n_lambda > 64 || s.n_u < 0 || s.n_u > 4 ||
+      s.N < 0 || s.N > 10 || s.admm_iterations < 0 || s.admm_iterations > 16)
+    return false;
+  for (int k = 0; k < s.N; ++k) {
+    for (int i = 0; i < s.n_x; ++i)
+      if (!std::isfinite(s.x[k][i])) return false;
+    for (int i = 0; i < s.n_lambda; ++i)
+      if (!std::isfinite(s.lambda[k][i])) return false;
+    for (int i = 0; i < s.n_u; ++i)
+      if (!std::isfinite(s.u[k][i])) return false;
+  }
+  return s.robot == 0 && near(s.origin, s.header.time_ns) && valid_s >= 0 && valid_s <= 10 &&
+         known(s.status, 2) && known(s.phase, 4) && below(s.p_WE_desired_m, 5) &&
+         below(s.v_WE_desired_m_per_s, 10) && unit(s.q_WE_desired) && below(s.force_E_n, 1e3) &&
+         below(s.ball_target_m, 1e6) && s.delta_t_c_s >= 0 && s.delta_t_c_s <= 10 &&
+         s.solve_time_s >= 0 && std::isfinite(s.solve_time_s) && below(s.u_c3, 1.7e308) &&
+         below(s.lambda_d, 1.7e308) && below(s.primal_residual, 1.7e308) &&
+         std::isfinite(s.complementarity_violation);
+}
+bool usable(const BallDetection& s) {
+  return s.camera >= 0 && s.camera < 64 && s.ball >= 0 && s.ball < 4 &&
+         near(s.exposure_ns, s.header.time_ns) && known(s.found) && known(s.used) &&
+         std::fabs(s.u_px) <= 1e5 && std::fabs(s.v_px) <= 1e5 && s.radius_px >= 0 &&
+         s.radius_px <= 1e5 && below(s.p_WB_m, 10);
+}
+bool usable(const BallEstimate& s) {
+  return s.ball >= 0 && s.ball < 4 && near(s.exposure_ns, s.header.time_ns) && known(s.valid) &&
+         s.cameras_used >= 0 && s.cameras_used <= 64 && below(s.p_measured_m, 10) &&
+         below(s.p_WB_m, 10) && below(s.v_WB_m_per_s, 20) && below(s.omega_rad_per_s, 2e3) &&
+         unit(s.q_WB);
+}
+bool usable(const TaskTarget& s) {
+  return known(s.kind, 3) && below(s.center_m, 10) && std::fabs(s.radius_m) <= 10 &&
+         std::fabs(s.lead_rad) <= 100;
+}
+bool usable(const Scene& s) {
+  if (s.ball_count < 0 || s.ball_count > 4) return false;
+  for (int i = 0; i < s.ball_count; ++i) {
+    if (!below(s.p_WB_m[i], 1e6) || !unit(s.q_WB[i]) || !below(s.v_WB_m_per_s[i], 1e4) ||
+        !below(s.omega_rad_per_s[i], 1e6))
+      return false;
+  }
+  return known(s.exposure) && below(s.q_rad, 10) && below(s.p_WE_m, 5);
+}
+bool usable(const Tick&) { return true; }  // numbers of any size
+bool usable(const Done& s) { return known(s.process, 4); }
+bool usable(const ServiceStatus& s) {
+  for (const auto& name : s.counter_names)
+    if (!ends(name)) return false;
+  for (const RefusedSamples& refused : s.refused)
+    if (!ends(refused.topic) || !ends(refused.reason) || !ends(refused.latest)) return false;
+  const auto finite = [](const Quantiles& q) {
+    return std::isfinite(q.p50_s) && std::isfinite(q.p95_s) && std::isfinite(q.p99_s) &&
+           std::isfinite(q.p999_s) && std::isfinite(q.max_s);
+  };
+  return known(s.process, 4) && known(s.state, 4) && ends(s.text) && std::isfinite(s.rate_hz) &&
+         finite(s.wakeup_latency) && finite(s.compute);
+}
+bool usable(const ServiceRequest& s) { return known(s.process, 4) && known(s.verb, 2); }
+bool usable(const ServiceReply& s) { return known(s.process, 4) && known(s.ok) && ends(s.text); }
+bool usable(const FaultInject& s) {
+  return known(s.process, 4) && known(s.kind, 6) && s.duration_s >= 0 && s.duration_s <= 3600 &&
+         below(s.value, 1e3);
+}
+
+// ---- random samples
+
+/// One of the values that break programs, or any bits at all.
+void spoil(unsigned char* word, std::size_t size, Random& random) {
+  const double numbers[] = {kNaN, kInfinity, -kInfinity, 1e300, -1e300, 1e6, 0.0};
+  const std::int32_t counts[] = {-1, 1000000, std::numeric_limits<std::int32_t>::min(),
+                                 std::numeric_limits<std::int32_t>::max(), 5};
+  switch (random.index(3)) {
+    case 0:
+      std::memcpy(word, &numbers[random.index(7)], size);
+      return;
+    case 1:
+      std::memcpy(word, &counts[random.index(5)], std::min<std::size_t>(size, 4));
+      return;
+    default:
+      for (std::size_t i = 0; i < size; ++i)
+        word[i] = static_cast<unsigned char>(random.index(256));
+  }
+}
+
+TEMPLATE_TEST_CASE("validate: what passes is usable, whatever bytes came", "", RobotState,
+                   RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick, Done,
+                   ServiceStatus, ServiceRequest, ServiceReply, FaultInject) {
+  constexpr std::size_t kWords = sizeof(TestType) / 8;
+  int passed = 0;
+  for (int i = 0; i < c3rt::test::property_instances(); ++i) {
+    Random random(static_cast<unsigned>(i));
+    auto sample = plain<TestType>();
+    unsigned char bytes[sizeof(TestType)];
+    std::memcpy(bytes, &sample, sizeof bytes);
+    if (i % 10 == 9) {
+      for (std::size_t k = 0; k < kWords; ++k) spoil(bytes + 8 * k, 8, random);
+    } else {
+      const int spoiled = random.index(3);
+      for (int k = 0; k < spoiled; ++k)
+        spoil(bytes + 8 * random.index(static_cast<int>(kWords)), 8, random);
+    }
+    std::memcpy(&sample, bytes, sizeof sample);
+    INFO("instance " << i);
+    const Refusal refusal = validate(sample);
+    if (refusal) {
+      CHECK(refusal.reason == Reason::kValue);
+      CHECK_FALSE(to_text(refusal).empty());
+    } else {
+      ++passed;
+      CHECK(usable(sample));
+    }
+  }
+  CHECK(passed > c3rt::test::property_instances() / 5);  // the third that is not spoiled passes
+}
+
+template <typename T>
+std::string answer(const T& sample) {
+  return to_text(validate(sample));
+}
+
+TEST_CASE("validate: the finding names the field, what came and what was expected") {
+  auto plan = plain<Plan>();
+  CHECK(answer(plan).empty());
+  plan.q_WE_desired[0] = 0.0;
+  CHECK(answer(plan) == "zero quaternion q_WE_desired: norm 0, expected 1");
+  plan.q_WE_desired[0] = 0.5;
+  CHECK(answer(plan) == "quaternion q_WE_desired: norm 0.5, expected 1");
+  plan = plain<Plan>();
+  plan.N = 1000000;
+  CHECK(answer(plan) == "N is 1000000, expected 0 to 10");
+  plan = plain<Plan>();
+  plan.force_E_n[2] = -1e9;
+  CHECK(answer(plan) == "force_E_n[2] is -1000000000, expected -1000 to 1000");
+  plan = plain<Plan>();
+  plan.valid_until_ns = std::numeric_limits<std::int64_t>::max();
+  CHECK_THAT(answer(plan), Catch::StartsWith("valid_until_ns after time_ns in seconds is 9.2"));
+  plan = plain<Plan>();
+  plan.N = 2;
+  plan.n_x = 19;
+  plan.x[1][18] = kNaN;
+  CHECK(answer(plan) == "x[18] is nan, expected a finite number");
+  plan.n_x = 18;  // what is not used may be anything
+  CHECK(answer(plan).empty());
+
+  auto scene = plain<Scene>();
+  scene.ball_count = -1;
+  CHECK(answer(scene) == "ball_count is -1, expected 0 to 4");
+  auto estimate = plain<BallEstimate>();
+  estimate.p_WB_m[2] = 1e300;
+  CHECK(answer(estimate) == "p_WB_m[2] is 1e+300, expected -10 to 10");
+  estimate = plain<BallEstimate>();
+  estimate.exposure_ns = std::numeric_limits<std::int64_t>::min();
+  CHECK_THAT(answer(estimate), Catch::StartsWith("exposure_ns is -9.2"));
+  auto state = plain<RobotState>();
+  state.robot = 7;
+  CHECK(answer(state) == "robot is 7, expected 0 to 0");
+  ServiceReply reply{};
+  std::memset(reply.text, 'x', sizeof reply.text);
+  CHECK(answer(reply) == "text is no text: expected at most 511 printable letters and an end");
+  std::strcpy(reply.text, "\x1b[2J");
+  CHECK_FALSE(answer(reply).empty());
+  FaultInject fault{};
+  fault.value[0] = kNaN;
+  CHECK(answer(fault) == "value[0] is nan, expected -1000 to 1000");
+}
+
+TEST_CASE("validate: a header's sequence begins at 1 and its time is not far ahead") {
+  constexpr std::int64_t kNow = 5'000'000'000;
+  constexpr std::int64_t kLatest = kNow + kAhead_ns;
+  CHECK_FALSE(validate(Header{1, 1, kNow}, true, kLatest));
+  CHECK_FALSE(validate(Header{1, 1, kLatest}, true, kLatest));
+  CHECK(validate(Header{1, 0, kNow}, true, kLatest).reason == Reason::kHeader);
+  CHECK(validate(Header{1, ~0ull, kNow}, true, kLatest).reason == Reason::kHeader);
+  CHECK(validate(Header{1, 1, kLatest + 1}, true, kLatest).reason == Reason::kHeader);
+  CHECK(validate(Header{1, 1, -1}, true, kLatest).reason == Reason::kHeader);
+  // a client's request may come from a host with another clock
+  CHECK_FALSE(validate(Header{0, 1, kNow + 3600 * kAhead_ns}, false, kLatest));
+}
+
+}  // namespace
+}  // namespace c3rt::wire
