@@ -27,6 +27,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr double kDiscovery = 3.0;  // until a peer must have been found [s]
+constexpr double kPresence = 0.5;   // in which a process that runs tells its status [s]
 constexpr double kReply = 5.0;      // until a process must have answered [s]
 
 /// Looks every 10 ms. @return false when the time is over or a stop was requested
@@ -37,6 +38,17 @@ bool wait_until(double seconds, const std::function<bool()>& condition) {
     std::this_thread::sleep_for(milliseconds(10));
   }
   return true;
+}
+
+/// Whether the process tells its status.
+bool speaks(wire::Bus& bus, wire::Process process) {
+  wire::Reader<wire::ServiceStatus> reader(bus, 64);
+  return wait_until(kPresence, [&] {
+    wire::ServiceStatus status{};
+    bool heard = false;
+    while (reader.take(status)) heard = heard || status.process == process;
+    return heard;
+  });
 }
 
 /// A sample that is answered: written to whoever listens, and the reply printed.
@@ -72,8 +84,10 @@ class Question {
       return false;
     });
     if (!answered) {
-      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s\n",
-                 wire::process_name(process), kReply);
+      const bool there = speaks(bus_, process);
+      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n",
+                 wire::process_name(process), kReply,
+                 there ? "" : ", and nothing is heard of it on service/status: it does not run");
       return kProcessFailed;
     }
     fmt::print(reply.ok ? stdout : stderr, "{}: {}\n", wire::process_name(reply.process),

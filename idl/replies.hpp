@@ -2,6 +2,7 @@
 // A process's answers to clients' requests, targets and faults.
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 #include "idl/dds.hpp"
@@ -22,8 +23,24 @@ class Replies {
     std::snprintf(reply.text, sizeof reply.text, "%s", text.c_str());
     writer_.write(reply, now_ns);
   }
+  /// Answers what a reader refused for its values and this process was asked for.
+  template <typename T>
+  void answer_refused(Reader<T>& reader, std::int64_t now_ns) {
+    T sample{};
+    Refusal why;
+    while (reader.take_refused(sample, why)) {
+      if (is_for(process_, sample))
+        answer(sample.request_id, false, "refused: " + to_text(why), now_ns);
+    }
+  }
 
  private:
+  static bool is_for(Process, const TaskTarget&) { return true; }  // only the planner reads them
+  template <typename T>
+  static bool is_for(Process process, const T& sample) {
+    return std::memcmp(&sample.process, &process, sizeof process) == 0;  // it may be no enumerator
+  }
+
   Process process_;
   Writer<ServiceReply> writer_;
 };

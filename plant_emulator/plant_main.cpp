@@ -187,6 +187,8 @@ class ClientDesk {
         orders_(orders) {}
 
   void serve(std::int64_t now_ns) {
+    replies_.answer_refused(requests_, now_ns);
+    replies_.answer_refused(faults_, now_ns);
     wire::ServiceRequest request;
     while (requests_.take(request)) {
       if (request.process == c3rt_v1_PROCESS_PLANT) answer(request, now_ns);

@@ -197,6 +197,8 @@ class Service {
 
  private:
   void take_requests(std::int64_t now_ns) {
+    replies_.answer_refused(requests_, now_ns);
+    replies_.answer_refused(faults_in_, now_ns);
     wire::ServiceRequest request{};
     while (requests_.take(request)) {
       if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN)

@@ -97,6 +97,7 @@ bool Service::poll() {
 }
 
 void Service::take_requests() {
+  replies_.answer_refused(requests_, rt::now_ns());
   wire::ServiceRequest request{};
   while (requests_.take(request)) {
     if (request.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
@@ -122,6 +123,7 @@ void Service::answer_requests() {
 }
 
 void Service::take_faults() {
+  replies_.answer_refused(faults_, rt::now_ns());
   wire::FaultInject fault{};
   while (faults_.take(fault)) {
     if (fault.process != c3rt_v1_PROCESS_IMPEDANCE) continue;

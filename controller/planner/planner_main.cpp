@@ -83,6 +83,7 @@ std::optional<planner::Target> target_of(const wire::TaskTarget& sample) {
 // what strangers write is checked here
 void take_targets(Inputs& in, const planner::TargetLimits& limits, wire::Replies& replies,
                   std::int64_t now_ns) {
+  replies.answer_refused(in.targets, now_ns);
   wire::TaskTarget sample{};
   while (in.targets.take(sample)) {
     const auto target = target_of(sample);
@@ -99,6 +100,7 @@ void take_targets(Inputs& in, const planner::TargetLimits& limits, wire::Replies
 }
 
 void take_requests(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
+  replies.answer_refused(in.requests, now_ns);
   wire::ServiceRequest request{};
   while (in.requests.take(request)) {
     if (request.process != c3rt_v1_PROCESS_PLANNER) continue;
@@ -112,6 +114,7 @@ void take_requests(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
 }
 
 void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
+  replies.answer_refused(in.faults, now_ns);
   wire::FaultInject fault{};
   while (in.faults.take(fault)) {
     if (fault.process != c3rt_v1_PROCESS_PLANNER) continue;

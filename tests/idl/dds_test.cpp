@@ -12,7 +12,9 @@
 #include <dds/dds.h>
 
 #include "idl/one_writer.hpp"
+#include "idl/replies.hpp"
 #include "tests/idl/bus_fixture.hpp"
+#include "tests/idl/raw_writer.hpp"
 #include "tests/idl/samples.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -23,38 +25,7 @@ using test::eventually;
 using test::kMs;
 using test::kSecond;
 using test::plain;
-
-/// A writer that fills in nothing: session and sequence are the test's. What a client is, unless it
-/// is told to be as strong as a process.
-class RawWriter {
- public:
-  RawWriter(const Bus& bus, const Topic& topic, std::int32_t strength = 0) {
-    const dds_entity_t handle =
-        dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr);
-    dds_qos_t* qos = dds_create_qos();
-    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-    dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
-    dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_SECS(5));
-    dds_qset_deadline(qos, DDS_MSECS(1));
-    dds_qset_ownership_strength(qos, strength);
-    writer_ = dds_create_writer(bus.participant(), handle, qos, nullptr);
-    dds_delete_qos(qos);
-  }
-  template <typename T>
-  void write(T sample, std::uint64_t session, std::uint64_t seq, std::int64_t time_ns = 1) {
-    sample.header = {session, seq, time_ns};
-    REQUIRE(dds_write(writer_, &sample) == DDS_RETCODE_OK);
-  }
-  bool matched() const {
-    dds_publication_matched_status_t status{};
-    dds_get_publication_matched_status(writer_, &status);
-    return status.current_count > 0;
-  }
-
- private:
-  dds_entity_t writer_;
-};
+using test::RawWriter;
 
 /// Takes everything that arrives within the patience of `eventually`, until `count` samples are
 /// there.
@@ -507,6 +478,31 @@ TEST_CASE("Reader: a request that is refused for its value is kept to be answere
     CHECK(to_text(why) == "duration_s is nan, expected 0 to 3600");
   }
   CHECK_FALSE(faults.take_refused(fault, why));
+}
+
+TEST_CASE("Replies: a refused request is answered with the reason by the process that it is for") {
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<FaultInject> faults(bus);
+  Reader<ServiceReply> answers(client);
+  Replies plant(bus, c3rt_v1_PROCESS_PLANT), vision(bus, c3rt_v1_PROCESS_VISION);
+  RawWriter writer(client, topic<FaultInject>());
+  FaultInject fault{};
+  fault.process = c3rt_v1_PROCESS_PLANT;
+  fault.kind = c3rt_v1_FAULT_PUSH_BALL;
+  fault.value[2] = std::nan("");
+  fault.request_id = 41;
+  writer.write(fault, 0, 1);
+  REQUIRE(eventually([&] {
+    CHECK_FALSE(faults.take(fault));
+    return faults.counters().refused_for(Reason::kValue) == 1;
+  }));
+  plant.answer_refused(faults, kMs);
+  vision.answer_refused(faults, kMs);  // it was not for vision, and has been answered
+  const auto replies = take(answers, 1);
+  REQUIRE(replies.size() == 1);
+  CHECK(replies[0].request_id == 41);
+  CHECK_FALSE(replies[0].ok);
+  CHECK(std::string(replies[0].text) == "refused: value[2] is nan, expected -1000 to 1000");
 }
 
 TEST_CASE("Reader: drops what is out of order and counts gaps as lost") {

@@ -1,0 +1,194 @@
+// The four processes started by hand, without a session, among strangers who write on their topics.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/dds.hpp"
+#include "tests/idl/raw_writer.hpp"
+#include "tests/idl/samples.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace c3rt {
+namespace {
+
+using wire::test::plain;
+using wire::test::RawWriter;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+
+wire::BusSettings settings() {
+  wire::BusSettings bus;
+  bus.domain = test_domain();
+  bus.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
+  return bus;
+}
+
+struct Hand : test::ChildProcess {
+  explicit Hand(const char* program)
+      : ChildProcess(test::process_command(
+                         program, C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml",
+                         test_domain(), {"--clock", "realtime"}),
+                     std::string(C3RT_BINARY_DIRECTORY) + "/strangers_" + program + ".log") {}
+};
+
+/// Listens to what the processes say of themselves.
+class Audience {
+ public:
+  void look() {
+    wire::ServiceStatus status{};
+    while (statuses_.take(status)) newest_[static_cast<std::size_t>(status.process)] = status;
+    while (states_.take(state_)) {
+    }
+  }
+  bool eventually(const std::function<bool()>& condition, const std::function<void()>& meanwhile) {
+    const std::int64_t end_ns = rt::now_ns() + 30 * kSecond;
+    rt::PeriodicClock clock(kSecond / 1000);
+    while (rt::now_ns() < end_ns) {
+      meanwhile();
+      look();
+      if (condition()) return true;
+      clock.wait();
+    }
+    return false;
+  }
+  const std::optional<wire::ServiceStatus>& status(wire::Process process) const {
+    return newest_[static_cast<std::size_t>(process)];
+  }
+  const wire::RobotState& state() const { return state_; }
+  /// All four speak, of the plant's session, and the arm is commanded.
+  bool all_well(std::uint64_t plants_session) const {
+    for (int i = 0; i <= c3rt_v1_PROCESS_VISION; ++i) {
+      const auto& newest = newest_[static_cast<std::size_t>(i)];
+      if (!newest || newest->header.session_id != plants_session) return false;
+    }
+    return plants_session != 0 && state_.mode == c3rt_v1_ROBOT_MOVE;
+  }
+  std::uint64_t session() const { return state_.header.session_id; }
+  /// What a process has refused of a topic.
+  std::optional<wire::RefusedSamples> refused(wire::Process process, const char* topic,
+                                              const char* reason) const {
+    const auto& newest = status(process);
+    for (int i = 0; newest && i < wire::refused_kinds(*newest); ++i) {
+      const wire::RefusedSamples& samples = newest->refused[i];
+      if (std::string(samples.topic) == topic && std::string(samples.reason) == reason)
+        return samples;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  wire::Bus bus_{settings()};
+  wire::Reader<wire::ServiceStatus> statuses_{bus_};
+  wire::Reader<wire::RobotState> states_{bus_, 1024};
+  std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> newest_{};
+  wire::RobotState state_{};
+};
+
+TEST_CASE("a session comes from the plant alone, whatever strangers tell before or after") {
+  const Hand impedance("c3rt-impedance"), planner("c3rt-planner"), vision("c3rt-vision");
+  Audience audience;
+  wire::Bus bus(settings());
+  RawWriter estimates(bus, wire::topic<wire::BallEstimate>()),
+      plans(bus, wire::topic<wire::Plan>()), scenes(bus, wire::topic<wire::Scene>()),
+      states(bus, wire::topic<wire::RobotState>());
+  std::uint64_t seq = 0;
+  const auto lie = [&] {
+    ++seq;
+    const std::int64_t now_ns = rt::now_ns();
+    auto plan = plain<wire::Plan>();
+    plan.valid_until_ns = now_ns + kSecond;
+    estimates.write(plain<wire::BallEstimate>(), ~0ull, seq, now_ns);
+    plans.write(plan, 1'800'000'000'000'000'000, seq, now_ns);
+    scenes.write(plain<wire::Scene>(), ~0ull, seq, now_ns);
+  };
+  REQUIRE(audience.eventually(
+      [&] {
+        return estimates.matched() && plans.matched() && scenes.matched() &&
+               audience.status(c3rt_v1_PROCESS_IMPEDANCE) &&
+               audience.status(c3rt_v1_PROCESS_PLANNER) && audience.status(c3rt_v1_PROCESS_VISION);
+      },
+      [] {}));
+  lie();
+  const Hand plant("c3rt-plant");
+  REQUIRE(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
+  for (int i = 0; i < 20; ++i) lie();
+  states.write(plain<wire::RobotState>(), ~0ull, 1, rt::now_ns());
+  REQUIRE(audience.eventually(
+      [&] {
+        return audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer") &&
+               audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "plan", "second writer") &&
+               audience.refused(c3rt_v1_PROCESS_VISION, "sim/scene", "second writer") &&
+               audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "second writer");
+      },
+      [] {}));
+  CHECK(audience.all_well(audience.session()));
+  CHECK(audience.session() < 1'800'000'000'000'000'000);
+
+  // and a plant that is started again is believed
+  const std::uint64_t before = audience.session();
+  plant.signal(SIGKILL);
+  const Hand again("c3rt-plant");
+  CHECK(audience.eventually(
+      [&] { return audience.session() != before && audience.all_well(audience.session()); },
+      [] {}));
+}
+
+TEST_CASE("a second writer of commands, plans and states moves nothing and is named") {
+  const Hand plant("c3rt-plant"), impedance("c3rt-impedance"), planner("c3rt-planner"),
+      vision("c3rt-vision");
+  Audience audience;
+  REQUIRE(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
+  wire::Bus bus(settings());
+  RawWriter commands(bus, wire::topic<wire::RobotCommand>()), plans(bus, wire::topic<wire::Plan>()),
+      states(bus, wire::topic<wire::RobotState>());
+  REQUIRE(audience.eventually(
+      [&] { return commands.matched() && plans.matched() && states.matched(); }, [] {}));
+  std::uint64_t seq = 0;
+  double greatest_torque = 0.0;
+  const auto push = [&] {
+    ++seq;
+    const std::int64_t now_ns = rt::now_ns();
+    auto command = plain<wire::RobotCommand>();
+    command.tau_nm[0] = 87.0;
+    commands.write(command, seq % 2 == 0 ? 0 : audience.session(), seq, now_ns);
+    auto plan = plain<wire::Plan>();
+    plan.valid_until_ns = now_ns + kSecond;
+    plan.p_WE_desired_m[0] = 0.4;
+    plans.write(plan, audience.session(), seq, now_ns);
+    auto state = plain<wire::RobotState>();
+    state.mode = c3rt_v1_ROBOT_REFLEX;
+    states.write(state, audience.session(), seq, now_ns + (seq % 2 == 0 ? 3600 * kSecond : 0));
+    greatest_torque = std::max(greatest_torque, std::abs(audience.state().tau_nm[0]));
+  };
+  const auto count = [](const std::optional<wire::RefusedSamples>& samples) {
+    return samples ? samples->count : 0;
+  };
+  const bool all_refused = audience.eventually(
+      [&] {
+        return count(audience.refused(c3rt_v1_PROCESS_PLANT, "robot/command", "second writer")) >
+                   500 &&
+               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "plan", "second writer")) > 500 &&
+               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "second writer")) >
+                   200 &&
+               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "header")) > 200;
+      },
+      push);
+  CHECK(all_refused);
+  CHECK(greatest_torque < 40.0);
+  const auto named = audience.refused(c3rt_v1_PROCESS_PLANT, "robot/command", "second writer");
+  REQUIRE(named);
+  CHECK_THAT(std::string(named->latest), Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
+}
+
+}  // namespace
+}  // namespace c3rt
