@@ -383,6 +383,7 @@ struct ReaderBase::Implementation {
     std::uint64_t expected = 0;  // that it should have
     dds_instance_handle_t writer = 0;
     std::string from;
+    std::string obeyed;  // of a second writer: the first
   };
   std::array<std::atomic<std::uint64_t>, kReasonCount> refused{};
   mutable std::mutex findings_mutex;
@@ -514,7 +515,13 @@ void ReaderBase::refuse(const Refusal& refusal, const Header& header,
   finding.expected = bus_.session_id();
   if (finding.writer == source.writer) return;
   finding.writer = source.writer;
-  finding.from = bus_.implementation_->peers.name_of_writer(self.reader.handle(), source.writer);
+  const Peers& peers = bus_.implementation_->peers;
+  finding.from = peers.name_of_writer(self.reader.handle(), source.writer);
+  finding.obeyed = "nobody";
+  for (const Source& other : self.sources) {
+    if (other.writer != 0 && other.owner.participant == self.one_writer.leader())
+      finding.obeyed = peers.name_of_writer(self.reader.handle(), other.writer);
+  }
 }
 
 RefusedCount ReaderBase::refusal(Reason reason) const {
@@ -526,6 +533,7 @@ RefusedCount ReaderBase::refusal(Reason reason) const {
   const Implementation::Finding& finding = self.findings[i];
   result.from = finding.from;
   result.latest = to_text(finding.refusal);
+  if (reason == Reason::kSecondWriter) result.latest = "obeyed is " + finding.obeyed;
   if (reason == Reason::kOtherSession) {
     result.latest = "session " + std::to_string(finding.session) + ", expected " +
                     (finding.expected == 0 ? "the plant's" : std::to_string(finding.expected));

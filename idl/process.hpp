@@ -136,8 +136,8 @@ class Inlet {
   Inlet(const Inlet&) = delete;
   Inlet& operator=(const Inlet&) = delete;
 
-  /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of an
-  /// older session. RT (realtime): no heap, no lock, no throw.
+  /// Newest sample not taken before; false, and `out` untouched, if there is none or if it is of
+  /// another session. RT (realtime): no heap, no lock, no throw.
   bool take(T& out) noexcept { return realtime_ ? take_latest(out) : reader_.take_newest(out); }
   /// The same, but only samples whose time has come: header.time_ns <= now_ns. Those that are early
   /// wait here. RT (realtime): no heap, no lock, no throw.

@@ -184,7 +184,7 @@ std::string to_text(const Refusal& refusal) {
     case Reason::kHeader:
       break;
     case Reason::kSecondWriter:
-      return "its topic has one writer, and that is another one";
+      return "its topic has one writer, another one";
     case Reason::kOtherSession:
       return "not of the session of the plant";
     case Reason::kOldSequence:

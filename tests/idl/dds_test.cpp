@@ -355,6 +355,8 @@ TEST_CASE("Reader: a second writer of what moves the robot is refused, counted a
   CHECK(refusals[0].reason == Reason::kSecondWriter);
   CHECK(refusals[0].count == 5);
   CHECK_THAT(refusals[0].from, Catch::Contains("(pid " + std::to_string(stranger.pid()) + ")"));
+  CHECK_THAT(refusals[0].latest, Catch::StartsWith("obeyed is ") &&
+                                     Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
   close(go[0]);
   close(go[1]);
 }
