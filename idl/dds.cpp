@@ -107,6 +107,13 @@ class Waiter {
   Entity waitset_, guard_;
 };
 
+bool is_matched(dds_entity_t reader, dds_instance_handle_t writer) noexcept {
+  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
+  if (endpoint == nullptr) return false;
+  dds_builtintopic_free_endpoint(endpoint);
+  return true;
+}
+
 /// Who writes: the process (its DDS participant), and the strength that it offers.
 struct Owner {
   dds_instance_handle_t participant;
@@ -361,6 +368,12 @@ struct ReaderBase::Implementation {
     source = {writer, session, owner_of(reader.handle(), writer)};
     return source;
   }
+  bool leader_is_there() const noexcept {
+    return std::any_of(sources.begin(), sources.end(), [this](const Source& source) {
+      return source.writer != 0 && source.owner.participant == one_writer.leader() &&
+             is_matched(reader.handle(), source.writer);
+    });
+  }
   Entry& entry(int i) noexcept { return entries[static_cast<std::size_t>((head + i) % capacity)]; }
 
   Entity topic, reader, condition;
@@ -481,6 +494,9 @@ Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_
   Implementation& self = *implementation_;
   const std::uint64_t ours = bus_.session_id();
   const std::uint64_t theirs = header.session_id;
+  // what paces a run comes from its own processes alone
+  if (topic_.qos == Qos::kSync && source.owner.strength < kProcessStrength)
+    return Reason::kSecondWriter;
   if (!topic_.writer) {
     // a client may know no session, and neither does a process that has not heard the plant
     return theirs == 0 || ours == 0 || theirs == ours ? Reason::kNone : Reason::kOtherSession;
@@ -495,8 +511,13 @@ Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_
     return self.one_writer.has_other_than(source.owner.participant, now_ns) ? Reason::kSecondWriter
                                                                             : Reason::kOtherSession;
   }
-  if (!self.one_writer.admits(source.owner.participant, source.owner.strength, now_ns))
-    return Reason::kSecondWriter;
+  const Owner& owner = source.owner;
+  bool admitted = self.one_writer.admits(owner.participant, owner.strength, now_ns);
+  if (!admitted && self.one_writer.leader_is_silent(now_ns) && !self.leader_is_there()) {
+    self.one_writer.retire();
+    admitted = self.one_writer.admits(owner.participant, owner.strength, now_ns);
+  }
+  if (!admitted) return Reason::kSecondWriter;
   if (of_plant && theirs != ours) bus.adopt(theirs, topic_.stream);
   return Reason::kNone;
 }
@@ -517,7 +538,7 @@ void ReaderBase::refuse(const Refusal& refusal, const Header& header,
   finding.writer = source.writer;
   const Peers& peers = bus_.implementation_->peers;
   finding.from = peers.name_of_writer(self.reader.handle(), source.writer);
-  finding.obeyed = "nobody";
+  finding.obeyed = "a process of the run alone";
   for (const Source& other : self.sources) {
     if (other.writer != 0 && other.owner.participant == self.one_writer.leader())
       finding.obeyed = peers.name_of_writer(self.reader.handle(), other.writer);

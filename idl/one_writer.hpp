@@ -9,9 +9,10 @@ namespace c3rt::wire {
 constexpr std::int32_t kProcessStrength = 100;
 
 /// The rule of a topic with one writer: the greatest strength leads, among equals the first that
-/// was heard. Another one takes over when it speaks while the leader is silent, both for
+/// was heard. One of equal strength takes over when it speaks while the leader is silent, both for
 /// `silence_ns`: a single stray sample takes nothing over, and neither does what had piled up while
-/// this process itself stood still. RT: no heap, no lock, no throw.
+/// this process itself stood still. A weaker one waits until the leader is known to be gone: who is
+/// stalled comes back. RT: no heap, no lock, no throw.
 class OneWriter {
  public:
   /// @param silence_ns 0: a leader is never replaced for being silent (lockstep: the machine's time
@@ -29,7 +30,7 @@ class OneWriter {
       challenged_ = false;
       return true;
     }
-    if (leader_ == 0 || strength > strength_ || outlasted(now_ns)) {
+    if (leader_ == 0 || strength > strength_ || (strength == strength_ && outlasted(now_ns))) {
       leader_ = writer;
       strength_ = strength;
       heard_ns_ = now_ns;
@@ -39,6 +40,12 @@ class OneWriter {
     return false;
   }
   std::uint64_t leader() const noexcept { return leader_; }  // 0: none yet
+  /// Worth asking whether the leader is still there.
+  bool leader_is_silent(std::int64_t now_ns) const noexcept {
+    return leader_ != 0 && silent(now_ns);
+  }
+  /// The leader is gone: the next that speaks leads.
+  void retire() noexcept { leader_ = 0; }
   /// Another writer leads and is not silent.
   bool has_other_than(std::uint64_t writer, std::int64_t now_ns) const noexcept {
     return leader_ != 0 && leader_ != writer && !silent(now_ns);

@@ -147,7 +147,8 @@ QosPointer writer_qos(const Topic& topic, ClockMode clock, std::optional<Process
     // a reader that is discovered after the first sample still gets it
     set_transient_local(qos.get(), kLockstepDepth);
   }
-  if (topic.writer) dds_qset_ownership_strength(qos.get(), kProcessStrength);
+  if (topic.writer || topic.qos == Qos::kSync)
+    dds_qset_ownership_strength(qos.get(), kProcessStrength);
   // offered in both clocks, so that a realtime client can listen to a lockstep run
   if (topic.deadline_s > 0.0)
     dds_qset_deadline(qos.get(), static_cast<dds_duration_t>(topic.deadline_s * 1e9));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -381,6 +382,32 @@ TEST_CASE("Reader: the process's own writer is obeyed before a client that plays
   }));
 }
 
+TEST_CASE("Reader: a client takes over from a process that has gone, not from one that is silent") {
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  auto planner = std::make_unique<Bus>(test::settings(ClockMode::kRealtime, 7));
+  auto plans = std::make_unique<Writer<Plan>>(*planner);
+  Reader<Plan> reader(bus);
+  REQUIRE(eventually([&] { return plans->matched_readers() == 1; }));
+  auto plan = plain<Plan>();
+  REQUIRE(plans->write(plan, 1));
+  REQUIRE(take(reader, 1).size() == 1);
+  RawWriter played(client, topic<Plan>());
+  std::uint64_t seq = 0;
+  Plan taken{};
+  const std::int64_t begin_ns = rt::now_ns();
+  while (rt::now_ns() - begin_ns < 3 * kSecond / 2) {  // three times what counts as silence
+    played.write(plan, 7, ++seq);
+    CHECK_FALSE(reader.take(taken));
+    usleep(20'000);
+  }
+  plans.reset();
+  planner.reset();
+  CHECK(eventually([&] {
+    played.write(plan, 7, ++seq);
+    return reader.take(taken);
+  }));
+}
+
 TEST_CASE("Reader: in lockstep a client's plan is not obeyed even if it comes first") {
   Bus client(test::settings(ClockMode::kLockstep)),
       planner(test::settings(ClockMode::kLockstep, 7)),
@@ -397,6 +424,15 @@ TEST_CASE("Reader: in lockstep a client's plan is not obeyed even if it comes fi
   auto plan = plain<Plan>();
   REQUIRE(plans.write(plan, 1));
   CHECK(take(reader, 1).size() == 1);
+  // nor does a stranger pace the run
+  Reader<Done> dones(bus);
+  RawWriter stray_done(client, topic<Done>());
+  stray_done.write(Done{}, 7, 1);
+  CHECK(eventually([&] {
+    Done taken{};
+    CHECK_FALSE(dones.take(taken));
+    return dones.counters().refused_for(Reason::kSecondWriter) == 1;
+  }));
 }
 
 TEST_CASE("Reader: what cannot be is refused by value, with what was expected") {
@@ -604,6 +640,28 @@ TEST_CASE("Reader: taking does not allocate") {
     heap_calls = heap.count();
   }
   CHECK(taken == 32);
+  CHECK(heap_calls == 0);
+}
+
+TEST_CASE("Reader: refusing what was refused before does not allocate") {
+  if (!support::AllocationCounter::counts()) return;
+  Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
+  Reader<RobotState> reader(bus);
+  RawWriter writer(client, topic<RobotState>());
+  auto state = plain<RobotState>();
+  state.dq_rad_per_s[3] = 1e300;
+  const auto refused = [&] { return reader.counters().refused_for(Reason::kValue); };
+  writer.write(state, 7, 1);
+  RobotState taken{};
+  REQUIRE(eventually([&] { return !reader.take(taken) && refused() == 1; }));
+  for (std::uint64_t seq = 2; seq <= 33; ++seq) writer.write(state, 7, seq);
+  std::int64_t heap_calls = -1;
+  {
+    const support::AllocationCounter heap;
+    for (int i = 0; i < 1000 && refused() < 33; ++i) (void)reader.take(taken);
+    heap_calls = heap.count();
+  }
+  CHECK(refused() == 33);
   CHECK(heap_calls == 0);
 }
 

@@ -41,6 +41,18 @@ TEST_CASE(
   CHECK_FALSE(rule.admits(1, kProcessStrength, took_over_ns + kMs));
 }
 
+TEST_CASE("OneWriter: a weaker one takes nothing over from a process that is only stalled") {
+  OneWriter rule(kSilence, kAnyStrength);
+  CHECK(rule.admits(1, kProcessStrength, 0));
+  CHECK_FALSE(rule.leader_is_silent(kSilence));
+  for (std::int64_t now_ns = kMs; now_ns < 2000 * kMs; now_ns += kMs)
+    CHECK_FALSE(rule.admits(2, 0, now_ns));
+  CHECK(rule.leader_is_silent(2000 * kMs));
+  rule.retire();  // it has gone
+  CHECK(rule.admits(2, 0, 2001 * kMs));
+  CHECK(rule.admits(1, kProcessStrength, 2002 * kMs));  // and comes back
+}
+
 TEST_CASE("OneWriter: one stray sample takes nothing over, however long the leader was silent") {
   OneWriter rule(kSilence, kAnyStrength);
   CHECK(rule.admits(1, 0, 0));

@@ -1,7 +1,10 @@
 #include "idl/process.hpp"
 
 #include <cstring>
+#include <mutex>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <sched.h>
@@ -282,6 +285,50 @@ TEST_CASE("StatusReporter: a peer that can never be served is told in the text")
   CHECK_THAT(std::string(status.text),
              Catch::StartsWith("stepping; robot/state: reader of ") &&
                  Catch::Contains("requests RELIABLE, this writer offers BEST_EFFORT"));
+}
+
+TEST_CASE(
+    "StatusReporter: what its process refuses is in the status, and told once for each kind") {
+  Bus bus(test::settings(ClockMode::kRealtime, 9)), other(test::settings(ClockMode::kRealtime, 8)),
+      client(test::settings());
+  Reader<Plan> plans(bus);
+  Writer<Plan> wrong_session(other);
+  Reader<ServiceStatus> reader(client);
+  std::mutex mutex;
+  std::vector<std::string> told;
+  StatusReporter reporter(bus, c3rt_v1_PROCESS_IMPEDANCE, [&](const std::string& said) {
+    const std::lock_guard lock(mutex);
+    told.push_back(said);
+  });
+  REQUIRE(eventually([&] { return wrong_session.matched_readers() == 1; }));
+  auto plan = plain<Plan>();
+  ServiceStatus status{};
+  Plan taken{};
+  REQUIRE(eventually([&] {
+    wrong_session.write(plan, kMs);
+    CHECK_FALSE(plans.take(taken));
+    (void)reader.take_newest(status);
+    return refused_kinds(status) == 1 && status.refused[0].count > 20;
+  }));
+  CHECK(std::string(status.refused[0].topic) == "plan");
+  CHECK(std::string(status.refused[0].reason) == "other session");
+  CHECK_THAT(std::string(status.refused[0].latest),
+             Catch::StartsWith("session 8, expected 9; from ") &&
+                 Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
+  const std::lock_guard lock(mutex);
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told[0], Catch::StartsWith("refused plan (other session) from "));
+}
+
+TEST_CASE("StatusReporter: a text from elsewhere reaches no terminal as a command to it") {
+  Bus bus(test::settings()), client(test::settings());
+  StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANT);
+  reporter.set_state(c3rt_v1_SERVICE_FAILED, "a\nb\x1b[2J");
+  Reader<ServiceStatus> reader(client);
+  ServiceStatus status{};
+  REQUIRE(eventually(
+      [&] { return reader.take_newest(status) && status.state == c3rt_v1_SERVICE_FAILED; }));
+  CHECK(std::string(status.text) == "a b [2J");
 }
 
 TEST_CASE("StatusReporter: a counter too many and a name too long are refused") {
