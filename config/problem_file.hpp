@@ -46,6 +46,7 @@ struct ProblemResult {
   int iterations;
   double solve_time_s;
   std::string note;  // why an answer is truncated, for a person
+  std::optional<c3::QpReport> qp = {};  // of the last QP of Algorithm 1, of a failed one too
 };
 
 /// Of a solution of Algorithm 1; `iterates` of the solver's trace are written if it kept one.

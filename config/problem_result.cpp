@@ -55,7 +55,7 @@ const char* why(c3::QpStatus status) {
   switch (status) {
     case c3::QpStatus::kInfeasible:
       return "the bounds cannot be met";
-    case c3::QpStatus::kIterationLimit:
+    case c3::QpStatus::kNotConverged:
       return "the QP did not converge";
     case c3::QpStatus::kNotFactorable:
       return "the QP is beyond double precision";
@@ -158,7 +158,8 @@ ProblemResult to_result(const ProblemFile& problem, const c3::Solution& solution
           solution.complementarity_violation,
           solution.iterations,
           solve_time_s,
-          note_of(problem, solution)};
+          note_of(problem, solution),
+          solution.qp};
 }
 
 std::string to_json(const ProblemFile& problem, const ProblemResult& result,
@@ -173,6 +174,10 @@ std::string to_json(const ProblemFile& problem, const ProblemResult& result,
             {"complementarity_violation", result.complementarity_violation},
             {"iterations", result.iterations},
             {"solve_time_s", result.solve_time_s}};
+  if (result.qp) {  // a number that is not finite becomes null
+    json["qp_primal_residual"] = result.qp->primal_residual;
+    json["qp_dual_residual"] = result.qp->dual_residual;
+  }
   if (!problem.settings.trace) return json.dump(1) + "\n";
   Json iters = Json::array();
   for (int i = 0; i < result.iterations && i < static_cast<int>(iterates.size()); ++i) {
@@ -190,6 +195,8 @@ std::string to_json(const ProblemFile& problem, const ProblemResult& result,
     iters.push_back({{"rho", iterate.rho},
                      {"z", columns(iterate.z)},
                      {"xN", to_json(iterate.x_N)},
+                     {"qp_primal_residual", iterate.qp.primal_residual},
+                     {"qp_dual_residual", iterate.qp.dual_residual},
                      {"delta", columns(iterate.delta)},
                      {"w", columns(iterate.w)},
                      {"proj", projections}});

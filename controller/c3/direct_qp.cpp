@@ -16,6 +16,9 @@ using Eigen::VectorXd;
 constexpr int kMaxRefinements = 4;
 constexpr double kConverged = 1e-13;  // estimated error beside the largest entry of its kind
 constexpr double kAcceptable = 1e-6;  // gradient beside its largest term; worse: not solved
+constexpr double kSettled = 1e-7;     // the last refinement beside the largest entry of its kind
+constexpr double kKnown = 1e-10;      // of λ and u, what rounding may leave open
+constexpr double kConsistent = 1e-9;  // the same for what the states miss the dynamics by
 
 /// One Newton step is the solution; the same step again refines it.
 class DirectQp final : public QpStep {
@@ -26,6 +29,7 @@ class DirectQp final : public QpStep {
         riccati_(sizes),
         gradient_(sizes.n_z(), sizes.N),
         step_(sizes.n_z(), sizes.N),
+        defect_(sizes.n_x, sizes.N),
         gradient_N_(sizes.n_x),
         step_N_(sizes.n_x) {}
 
@@ -52,22 +56,28 @@ class DirectQp final : public QpStep {
       cost_.weigh(rho);
       factored_ = riccati_.factor(cost_.H(), cost_.H_N());
       if (!factored_) {
-        return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+        const double none = std::numeric_limits<double>::infinity();
+        return {QpStatus::kNotFactorable, 0, none, none};
       }
     }
     cost_.aim(x_desired, g);
-    if (!started_) z.setZero();
+    if (!started_) {
+      z.setZero();
+      x_N.setZero();
+    }
     started_ = true;
+    sizes_.x(z.col(0)) = x0;
     if (lambda_0_ != nullptr) sizes_.lambda(z.col(0)) = *lambda_0_;
-    riccati_.roll_out(x0, z, x_N);
-    double term = cost_.gradient(z, x_N, gradient_, gradient_N_);
+    double primal = riccati_.defects(z, x_N, defect_);
+    QpCost::Terms terms = cost_.gradient(z, x_N, gradient_, gradient_N_);
     double change = 0.0;
     int refinements = -1;  // the first step is the solution, those after it refine
     while (refinements < kMaxRefinements) {
-      riccati_.step(gradient_, gradient_N_, step_, step_N_);
-      z.bottomRows(sizes_.n_z() - sizes_.n_x) += step_.bottomRows(sizes_.n_z() - sizes_.n_x);
-      riccati_.roll_out(x0, z, x_N);
-      term = cost_.gradient(z, x_N, gradient_, gradient_N_);
+      riccati_.step(gradient_, gradient_N_, defect_, step_, step_N_);
+      z += step_;
+      x_N += step_N_;
+      primal = riccati_.defects(z, x_N, defect_);
+      terms = cost_.gradient(z, x_N, gradient_, gradient_N_);
       ++refinements;
       const double previous = change;
       change = relative_step(sizes_, step_, z);
@@ -75,12 +85,16 @@ class DirectQp final : public QpStep {
       // a step shrinks the error by about as much as the steps shrink
       if (change * change <= kConverged * previous || !(change <= 0.25 * previous)) break;
     }
-    const Riccati::Reduced reduced = riccati_.reduce(gradient_, gradient_N_);
-    const double scale = std::max(reduced.scale, riccati_.largest_gain() * term);
-    const double residual = reduced.largest == 0.0 ? 0.0 : reduced.largest / scale;
+    const Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z);
+    const double dual = relative(found, terms, riccati_.largest_gain());
+    QpStatus status = QpStatus::kNotConverged;
     // a NaN anywhere must not look solved
-    return {residual <= kAcceptable ? QpStatus::kSolved : QpStatus::kNotFactorable, refinements,
-            residual};
+    if (primal <= kConsistent && dual <= kAcceptable && change <= kSettled) {
+      status = QpStatus::kSolved;
+    }
+    if (!(found.unknown <= kKnown)) status = QpStatus::kNotFactorable;
+    if (!z.allFinite() || !x_N.allFinite()) status = QpStatus::kNotFactorable;
+    return {status, refinements, primal, dual};
   }
 
  private:
@@ -90,6 +104,7 @@ class DirectQp final : public QpStep {
   const VectorXd* lambda_0_ = nullptr;
   bool started_ = false, factored_ = false;
   MatrixXd gradient_, step_;      // in z
+  MatrixXd defect_;               // (n_x × N)
   VectorXd gradient_N_, step_N_;  // in x_N
 };
 

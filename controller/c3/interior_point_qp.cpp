@@ -17,11 +17,10 @@ constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
 constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
 constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
 constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
-constexpr double kAcceptable = 1e-7;   // residual; worse: not solved
+constexpr double kAcceptable = 1e-7;   // residuals; worse: not solved
+constexpr double kConsistent = 1e-9;   // the same for what the states miss the dynamics by
 constexpr double kToBoundary = 0.995;  // share of the way to the boundary
 constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
-constexpr double kCancelled = 1e-8;    // pull of multipliers beside its terms, to prove infeasible
-constexpr double kFar = 1e4;           // nor is a solution sought so many times beyond the point
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
 }  // namespace
@@ -38,6 +37,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   const QpRows& rows = model_.rows();
   sides_.clear();
   held_.prepare();
+  infeasibility_.prepare(model_);
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
     if (row.lower == row.upper) continue;
@@ -71,20 +71,21 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
   if (!(rho <= kRemeasure * rho_measured_ && rho_measured_ <= kRemeasure * rho)) {
     weight_.setZero();
     if (!model_.factor(weight_)) {
-      return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
+      return {QpStatus::kNotFactorable, 0, kNone, kNone};
     }
     model_.measure(compliance_);
     rho_measured_ = rho;
   }
   QpStatus status = QpStatus::kSolved;
   if (!settle()) status = iterate();
+  QpReport report = check(status);
   z = model_.z();
   x_N = model_.x_N();
-  const double worst = residual();
-  if (status == QpStatus::kSolved && !(worst <= kAcceptable)) status = QpStatus::kIterationLimit;
-  if (!z.allFinite() || !x_N.allFinite()) status = QpStatus::kNotFactorable;
-  if (status != QpStatus::kSolved) release();
-  return {status, iterations_, worst};
+  if (report.status == QpStatus::kNotConverged && infeasibility_.prove(model_, compliance_)) {
+    report.status = QpStatus::kInfeasible;
+  }
+  if (report.status != QpStatus::kSolved) release();
+  return report;
 }
 
 void InteriorPointQp::release() noexcept {
@@ -210,13 +211,13 @@ QpStatus InteriorPointQp::iterate() noexcept {
       model_.differentiate(multiplier_);
       if (++next_gap == std::size(kGaps)) return QpStatus::kSolved;
     }
-    if (off > 1e-8 * violation_ && is_infeasible()) return QpStatus::kInfeasible;
+    if (off > 1e-8 * violation_ && Infeasibility::is_proven(model_, multiplier_)) return QpStatus::kInfeasible;
     ++iterations_;
     if (!newton_step()) return QpStatus::kNotFactorable;
   }
   collect_multipliers();
   model_.differentiate(multiplier_);
-  return QpStatus::kIterationLimit;
+  return QpStatus::kNotConverged;
 }
 
 /// Guess from the iterate: a row is active where its multiplier is larger than its slack.
@@ -322,47 +323,27 @@ bool InteriorPointQp::newton_step() noexcept {
   return true;
 }
 
-/// Multipliers whose pull on every input cancels while the rows they belong to are violated prove
-/// that nothing satisfies these rows [Farkas].
-bool InteriorPointQp::is_infeasible() noexcept {
-  double violated = 0.0;
-  for (int j = 0; j < n_sides_; ++j) {
-    const Side& side = sides_[j];
-    violated -= y_[j] * side.sign * (model_.value()[side.row] - side.bound);
-  }
-  for (int i = 0; i < model_.rows().count(); ++i) {
-    if (held_[i] == Held::kEquality)
-      violated -= multiplier_[i] * (model_.value()[i] - held_.target(i));
-  }
-  if (!(violated > 0.0)) return false;
-  const Riccati::Reduced reduced = model_.pull(multiplier_);
-  // a row that moves no free input has a multiplier, but no pull
-  const double scale = std::max(reduced.scale, multiplier_.cwiseAbs().maxCoeff());
-  if (!(reduced.largest <= kCancelled * scale)) return false;
-  const int n_nu = sizes_.n_lambda + sizes_.n_u;
-  const double size = std::max(1.0, model_.z().bottomRows(n_nu).cwiseAbs().maxCoeff());
-  return reduced.largest * kFar * size * n_nu * sizes_.N < violated;
-}
-
-/// The largest of the three optimality conditions, each beside its terms.
-double InteriorPointQp::residual() noexcept {
-  double worst = model_.stationarity(multiplier_);
+/// The optimality conditions at the point reached, each beside its terms.
+QpReport InteriorPointQp::check(QpStatus status) noexcept {
+  const int n = model_.rows().count();
+  double dual = model_.stationarity(multiplier_);
   double pull = 0.0;
-  for (int i = 0; i < model_.rows().count(); ++i) {
+  for (int i = 0; i < n; ++i) {
     pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
   }
-  for (int i = 0; i < model_.rows().count(); ++i) {
+  for (int i = 0; i < n; ++i) {
     const QpRows::Row& row = model_.rows()[i];
-    const double value = model_.value()[i];
-    const double outside = std::max({0.0, row.lower - value, value - row.upper});
-    worst = std::max(worst, outside / std::max(1.0, std::abs(value)));
     if (multiplier_[i] == 0.0 || row.lower == row.upper) continue;
+    const double value = model_.value()[i];
     const double inside = multiplier_[i] > 0.0 ? value - row.lower : row.upper - value;
     const double lost = std::abs(multiplier_[i]) * std::max(0.0, inside);
-    worst =
-        std::max(worst, lost / std::max(pull * pull, std::abs(multiplier_[i]) * std::abs(value)));
+    dual = std::max(dual, lost / std::max(pull * pull, std::abs(multiplier_[i]) * std::abs(value)));
   }
-  return worst;
+  const double inconsistency = model_.inconsistency(), violation = model_.violation();
+  const bool met = violation <= kAcceptable && inconsistency <= kConsistent && dual <= kAcceptable;
+  if (status == QpStatus::kSolved && !met) status = QpStatus::kNotConverged;
+  if (!model_.z().allFinite() || !model_.x_N().allFinite()) status = QpStatus::kNotFactorable;
+  return {status, iterations_, std::max(violation, inconsistency), dual};
 }
 
 std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "controller/c3/active_rows.hpp"
+#include "controller/c3/infeasibility.hpp"
 #include "controller/c3/qp.hpp"
 #include "controller/c3/qp_model.hpp"
 
@@ -48,9 +49,8 @@ class InteriorPointQp final : public QpStep {
   void enter() noexcept;
   void start_sides() noexcept;
   bool newton_step() noexcept;
-  bool is_infeasible() noexcept;
+  QpReport check(QpStatus status) noexcept;
   void collect_multipliers() noexcept;
-  double residual() noexcept;
 
   Sizes sizes_;
   std::unique_ptr<QpStep> direct_;
@@ -65,6 +65,7 @@ class InteriorPointQp final : public QpStep {
   // per side
   Eigen::VectorXd s_, y_, ds_, dy_, ds_affine_, dy_affine_;
   double violation_ = 0.0;  // the largest at the start of the iterations, in units of √cost
+  Infeasibility infeasibility_;
   Eigen::MatrixXd z_kept_;
   Eigen::VectorXd x_N_kept_, multiplier_kept_;
 };

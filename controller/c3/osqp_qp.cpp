@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -44,11 +45,16 @@ struct Sparse {
   std::vector<c_float> values;
 };
 
+constexpr double kMargin = 2.0;  // of its tolerance, within which an answer of OSQP is taken
+
 double bound_at(const VectorXd& bound, int i, double none) {
   return bound.size() == 0 ? none : bound[i];
 }
 
-/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded.
+/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded. What OSQP
+/// calls solved is checked; where that does not hold, where OSQP says that the constraints cannot be
+/// met (which of a problem with far-off numbers it says too easily) or comes to no end, the interior
+/// point decides.
 class OsqpQp final : public QpStep {
  public:
   OsqpQp(const Sizes& sizes, const OsqpSettings& settings)
@@ -56,6 +62,7 @@ class OsqpQp final : public QpStep {
         osqp_(settings),
         n_variables_(sizes.N * sizes.n_z() + sizes.n_x),
         q_(VectorXd::Zero(n_variables_)),
+        interior_point_(make_interior_point_qp(sizes)),
         stage_(sizes.n_z()),
         difference_(sizes.n_x) {}
 
@@ -67,11 +74,14 @@ class OsqpQp final : public QpStep {
     Q_ = costs.Q;
     Q_N_ = costs.Q_N;
     R_ = costs.R;
+    interior_point_->set_costs(costs, constraints);
     lay_out_pattern(costs);
     const Sparse P_before = P_, A_before = A_;
     lay_out_bounds(constraints);
     lay_out_cost();
     lay_out_constraints();
+    gradient_.setZero(n_variables_);
+    row_values_.setZero(static_cast<Eigen::Index>(lower_.size()));
     // the workspace is set up once; weights of the same pattern reach it as updates of the next
     // solve
     if (work_ != nullptr && P_.same_pattern(P_before) && A_.same_pattern(A_before)) return;
@@ -140,32 +150,86 @@ class OsqpQp final : public QpStep {
     failed |= osqp_update_lin_cost(work_, q_.data()) != 0;
     failed |= osqp_update_bounds(work_, lower_.data(), upper_.data()) != 0;
     failed |= osqp_solve(work_) != 0;
-    if (failed) {
-      return {QpStatus::kNotFactorable, 0, std::numeric_limits<double>::infinity()};
-    }
-
+    if (failed) return {QpStatus::kNotFactorable, 0, kNone, kNone};
     const OSQPInfo& info = *work_->info;
     const int iterations = static_cast<int>(info.iter);
-    const double residual = std::max(info.pri_res, info.dua_res);
-    switch (info.status_val) {
-      case OSQP_SOLVED:
-      case OSQP_SOLVED_INACCURATE:
-      case OSQP_MAX_ITER_REACHED:
-        break;
-      case OSQP_NON_CVX:
-        return {QpStatus::kNotFactorable, iterations, residual};
-      default:
-        return {QpStatus::kInfeasible, iterations, residual};
+    if (info.status_val == OSQP_NON_CVX) {
+      return {QpStatus::kNotFactorable, iterations, kNone, kNone};
     }
-    const Eigen::Map<const VectorXd> solution(work_->solution->x, n_variables_);
-    for (int k = 0; k < sizes_.N; ++k) z.col(k) = solution.segment(k * sizes_.n_z(), sizes_.n_z());
-    x_N = solution.tail(sizes_.n_x);
-    return {info.status_val == OSQP_SOLVED ? QpStatus::kSolved : QpStatus::kIterationLimit,
-            iterations, residual};
+    if (info.status_val == OSQP_SOLVED) {
+      const QpReport report = check(iterations);
+      if (report.status == QpStatus::kSolved) {
+        const Eigen::Map<const VectorXd> solution(work_->solution->x, n_variables_);
+        for (int k = 0; k < sizes_.N; ++k) {
+          z.col(k) = solution.segment(k * sizes_.n_z(), sizes_.n_z());
+        }
+        x_N = solution.tail(sizes_.n_x);
+        return report;
+      }
+    }
+    started_ = false;
+    interior_point_->start(lcs_, W_, lambda_0_);
+    QpReport report = interior_point_->solve(rho, x0, x_desired, g, z, x_N);
+    report.iterations += iterations;
+    return report;
   }
 
  private:
   static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  /// The optimality conditions of OSQP's answer in the problem as it was given, relative as OSQP's
+  /// tolerances are: beside 1 and the largest entry of their vectors.
+  QpReport check(int iterations) noexcept {
+    QpReport report{QpStatus::kNotConverged, iterations, kNone, kNone};
+    const double *x = work_->solution->x, *y = work_->solution->y;
+    gradient_ = q_;
+    row_values_.setZero();
+    double dual_terms = 1.0, primal_terms = 1.0, outside = 0.0, left = 0.0;
+    // P z, of whose triangle each entry counts twice but on the diagonal
+    multiply_P(x);
+    for (int j = 0; j < n_variables_; ++j) {
+      double pull = 0.0;
+      for (c_int e = A_.column_start[j]; e < A_.column_start[j + 1]; ++e) {
+        row_values_[A_.row_index[e]] += A_.values[e] * x[j];
+        pull += A_.values[e] * y[A_.row_index[e]];
+      }
+      dual_terms = std::max({dual_terms, std::abs(gradient_[j]), std::abs(q_[j]), std::abs(pull)});
+      gradient_[j] += pull;
+      left = larger(left, std::abs(gradient_[j]));
+    }
+    for (Eigen::Index i = 0; i < row_values_.size(); ++i) {
+      const double value = row_values_[i];
+      primal_terms = std::max(primal_terms, std::abs(value));
+      outside = larger(outside, std::max({0.0, lower_[i] - value, value - upper_[i]}));
+    }
+    report.primal_residual = outside / primal_terms;
+    report.dual_residual = left / dual_terms;
+    // a multiplier away from the bound that it belongs to
+    for (Eigen::Index i = 0; i < row_values_.size(); ++i) {
+      const double inside = y[i] > 0.0 ? upper_[i] - row_values_[i] : row_values_[i] - lower_[i];
+      report.dual_residual = larger(
+          report.dual_residual, std::min(std::abs(y[i]) / dual_terms, inside / primal_terms));
+    }
+    const double tolerance = kMargin * osqp_.eps;
+    if (report.primal_residual <= tolerance && report.dual_residual <= tolerance) {
+      report.status = QpStatus::kSolved;
+    }
+    return report;
+  }
+
+  /// gradient_ += P x.
+  void multiply_P(const double* x) noexcept {
+    for (int j = 0; j < n_variables_; ++j) {
+      for (c_int e = P_.column_start[j]; e < P_.column_start[j + 1]; ++e) {
+        const c_int i = P_.row_index[e];
+        gradient_[i] += P_.values[e] * x[j];
+        if (i != j) gradient_[j] += P_.values[e] * x[i];
+      }
+    }
+  }
+
+  /// A maximum that keeps NaN.
+  static double larger(double a, double b) noexcept { return a > b || std::isnan(a) ? a : b; }
 
   /// Bound of coordinate i of z_k.
   static double bound_of(const VectorXd& x, const VectorXd& lambda, const VectorXd& u,
@@ -361,6 +425,8 @@ class OsqpQp final : public QpStep {
   bool started_ = false;
   double weight_rho_ = 0.0;
   OSQPWorkspace* work_ = nullptr;
+  VectorXd gradient_, row_values_;
+  std::unique_ptr<QpStep> interior_point_;
   VectorXd stage_, difference_;
 };
 

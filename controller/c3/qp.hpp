@@ -9,16 +9,19 @@
 namespace c3rt::c3 {
 
 enum class QpStatus {
-  kSolved,
-  kIterationLimit,  // the last iterate is returned; its residual says how far it got
-  kInfeasible,      // the bounds cannot be met
-  kNotFactorable,   // not convex, or beyond double precision
+  kSolved,         // the answer was checked: both residuals are small
+  kNotConverged,   // the last iterate is returned; its residuals say how far it got
+  kInfeasible,     // the constraints cannot be met: shown by multipliers of theirs [Farkas]
+  kNotFactorable,  // not convex, or beyond double precision
 };
 
+/// What an answer misses, recomputed from the answer itself. Each is relative to the terms that it
+/// is the difference of; docs/math.md says how.
 struct QpReport {
   QpStatus status;
-  int iterations;   // of OSQP or the interior point, or refinements of the direct solution
-  double residual;  // of the optimality conditions, relative to their largest term
+  int iterations;          // of OSQP or the interior point, or refinements of the direct solution
+  double primal_residual;  // of dynamics, bounds and rows
+  double dual_residual;    // of stationarity, and of multipliers of rows that are not active
 };
 
 /// The quadratic step [C3, eq. (21)]: minimises over x_1 … x_N, λ, u
@@ -69,6 +72,8 @@ std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes);
 
 /// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first `set_costs`,
 /// and again only where costs or bounds fill other places of the matrices; else it is updated.
+/// Where OSQP does not converge, or says that the constraints cannot be met, the interior point
+/// decides, so that kSolved and kInfeasible mean the same with every back end.
 std::unique_ptr<QpStep> make_osqp_qp(const Sizes& sizes, const OsqpSettings& settings);
 
 }  // namespace c3rt::c3

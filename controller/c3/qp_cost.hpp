@@ -27,10 +27,13 @@ class QpCost {
   StageMatrices H() const noexcept { return {H_.data(), stride_}; }
   const Eigen::MatrixXd& H_N() const noexcept { return Q_N_; }
 
-  /// H z − h, in z (n_z × N) and x_N. Returns the largest term in a component of a state: a state
-  /// is known to its rounding at best, and what the weights make of that no gradient can fall
-  /// below. RT.
-  double gradient(const Eigen::Ref<const Eigen::MatrixXd>& z,
+  /// Largest terms of a gradient's components in states and in inputs: a state is known to its
+  /// rounding at best, and what the weights make of that no gradient can fall below.
+  struct Terms {
+    double state, input;
+  };
+  /// H z − h, in z (n_z × N) and x_N. RT.
+  Terms gradient(const Eigen::Ref<const Eigen::MatrixXd>& z,
                   const Eigen::Ref<const Eigen::VectorXd>& x_N, Eigen::MatrixXd& gradient,
                   Eigen::VectorXd& gradient_N) const noexcept;
 

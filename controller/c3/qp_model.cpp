@@ -2,17 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace c3rt::c3 {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+constexpr double kOfKind = 1e-3;  // of the largest entry of its kind: what a bound of 0 is met beside
+constexpr double kKnown = 1e-10;  // of λ and u, what rounding may leave open
+constexpr double kTiny = 1e-6;    // nor is a violation measured beside less
+
+}  // namespace
+
 QpModel::QpModel(const Sizes& sizes) : sizes_(sizes), cost_(sizes), riccati_(sizes), rows_(sizes) {
   for (MatrixXd* m : {&z_, &z_rest_, &gradient_, &gradient_rest_, &total_, &step_})
     m->setZero(sizes.n_z(), sizes.N);
-  for (VectorXd* v :
-       {&x0_, &x_N_, &x_N_rest_, &gradient_N_, &gradient_N_rest_, &total_N_, &step_N_})
+  for (MatrixXd* m : {&defect_, &defect_rest_}) m->setZero(sizes.n_x, sizes.N);
+  for (VectorXd* v : {&x_N_, &x_N_rest_, &gradient_N_, &gradient_N_rest_, &total_N_, &step_N_})
     v->setZero(sizes.n_x);
 }
 
@@ -41,10 +50,11 @@ void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
     factored_ = false;
   }
   cost_.aim(x_desired, g);
-  x0_ = x0;
   z_.setZero();
+  x_N_.setZero();
+  sizes_.x(z_.col(0)) = x0;
   if (lambda_0_ != nullptr) sizes_.lambda(z_.col(0)) = *lambda_0_;
-  riccati_.roll_out(x0_, z_, x_N_);
+  riccati_.defects(z_, x_N_, defect_rest_);
   evaluate();
   z_rest_ = z_;
   x_N_rest_ = x_N_;
@@ -88,51 +98,97 @@ void QpModel::measure(VectorXd& compliance) noexcept {
   }
 }
 
-double QpModel::differentiate(const VectorXd& multiplier) noexcept {
-  const double term = cost_.gradient(z_, x_N_, gradient_, gradient_N_);
+QpCost::Terms QpModel::differentiate(const VectorXd& multiplier) noexcept {
+  riccati_.defects(z_, x_N_, defect_);
+  const QpCost::Terms terms = cost_.gradient(z_, x_N_, gradient_, gradient_N_);
   for (int i = 0; i < rows_.count(); ++i) {
     if (multiplier[i] != 0.0) rows_.add(i, -multiplier[i], gradient_, gradient_N_);
   }
-  return term;
+  return terms;
 }
 
 double QpModel::stationarity(const VectorXd& multiplier) noexcept {
-  double largest = riccati_.largest_gain() * differentiate(multiplier);
-  for (int i = 0; i < rows_.count(); ++i) largest = std::max(largest, std::abs(multiplier[i]));
-  const Riccati::Reduced reduced = riccati_.reduce(gradient_, gradient_N_);
-  return reduced.largest == 0.0 ? 0.0 : reduced.largest / std::max(reduced.scale, largest);
+  const QpCost::Terms terms = differentiate(multiplier);
+  double input_scale = 0.0;
+  for (int i = 0; i < rows_.count(); ++i) {
+    input_scale = std::max(input_scale, std::abs(multiplier[i]));
+  }
+  Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z_);
+  found.input_scale = std::max(found.input_scale, input_scale);
+  if (!(found.unknown <= kKnown)) return std::numeric_limits<double>::infinity();
+  return relative(found, terms, riccati_.largest_gain());
 }
 
-Riccati::Reduced QpModel::pull(const VectorXd& multiplier) noexcept {
+double QpModel::inconsistency() noexcept { return riccati_.defects(z_, x_N_, defect_); }
+
+double QpModel::violation() const noexcept {
+  const int n_x = sizes_.n_x, n_lambda = sizes_.n_lambda;
+  const auto largest = [](const auto& block) {
+    return block.size() == 0 ? 0.0 : block.cwiseAbs().maxCoeff();
+  };
+  const double lambda = largest(z_.middleRows(n_x, n_lambda));
+  const double u = largest(z_.bottomRows(sizes_.n_u));
+  // a state is the sum of what comes from the stage before it
+  const auto state = [&](int k) {
+    const double own = k < sizes_.N ? largest(sizes_.x(z_.col(k))) : largest(x_N_);
+    return k == 0 ? own : std::max(own, largest(sizes_.x(z_.col(k - 1))));
+  };
+  double worst = 0.0;
+  for (int i = 0; i < rows_.count(); ++i) {
+    const double outside = rows_.outside(i, value_[i]);
+    if (outside == 0.0) continue;
+    const QpRows::Row& row = rows_[i];
+    const double bound = outside > 0.0 ? row.upper : row.lower;
+    const double kind = row.coordinate < 0                ? rows_.largest_term(i, z_, x_N_)
+                        : row.coordinate < n_x            ? kOfKind * state(row.stage)
+                        : row.coordinate < n_x + n_lambda ? kOfKind * lambda
+                                                          : kOfKind * u;
+    const double scale = std::max({std::abs(bound), std::abs(value_[i]), kind, kTiny});
+    const double relative = std::abs(outside) / scale;
+    if (!(relative <= worst)) worst = relative;  // also NaN
+  }
+  return worst;
+}
+
+Riccati::Stationarity QpModel::pull(const VectorXd& multiplier) noexcept {
+  riccati_.defects(z_, x_N_, defect_);
   total_.setZero();
   total_N_.setZero();
   for (int i = 0; i < rows_.count(); ++i) rows_.add(i, -multiplier[i], total_, total_N_);
-  return riccati_.reduce(total_, total_N_);
+  return riccati_.pull(total_, total_N_, defect_);
 }
 
-void QpModel::newton(const VectorXd& extra) noexcept { step(gradient_, gradient_N_, extra); }
+void QpModel::newton(const VectorXd& extra) noexcept {
+  step(gradient_, gradient_N_, defect_, extra);
+}
+
+void QpModel::newton_of_rows(const VectorXd& extra) noexcept {
+  gradient_.setZero();
+  gradient_N_.setZero();
+  riccati_.defects(z_, x_N_, defect_);
+  newton(extra);
+}
 
 void QpModel::newton_from_rest(const VectorXd& extra) noexcept {
-  step(gradient_rest_, gradient_N_rest_, extra);
+  step(gradient_rest_, gradient_N_rest_, defect_rest_, extra);
   z_ = z_rest_ + step_;
   x_N_ = x_N_rest_ + step_N_;
   evaluate();
 }
 
-void QpModel::step(const MatrixXd& gradient, const VectorXd& gradient_N,
+void QpModel::step(const MatrixXd& gradient, const VectorXd& gradient_N, const MatrixXd& defect,
                    const VectorXd& extra) noexcept {
   total_ = gradient;
   total_N_ = gradient_N;
   for (int i = 0; i < rows_.count(); ++i) {
     if (extra[i] != 0.0) rows_.add(i, extra[i], total_, total_N_);
   }
-  riccati_.step(total_, total_N_, step_, step_N_);
+  riccati_.step(total_, total_N_, defect, step_, step_N_);
 }
 
 void QpModel::move(double alpha) noexcept {
-  const int n_nu = sizes_.n_lambda + sizes_.n_u;
-  z_.bottomRows(n_nu) += alpha * step_.bottomRows(n_nu);
-  riccati_.roll_out(x0_, z_, x_N_);
+  z_ += alpha * step_;
+  x_N_ += alpha * step_N_;
   evaluate();
 }
 

@@ -11,8 +11,8 @@
 
 namespace c3rt::c3 {
 
-/// The QP step with its rows, at a point that satisfies the dynamics: what methods for constrained
-/// problems have in common. Vectors over rows have `rows().all()` entries, of which the first
+/// The QP step with its rows, at a point: what methods for constrained problems have in common. Its
+/// steps take out what the point misses the dynamics by. Vectors over rows have `rows().all()` entries, of which the first
 /// `rows().count()` mean something. After `set_costs` nothing allocates.
 class QpModel {
  public:
@@ -21,12 +21,12 @@ class QpModel {
   void set_costs(const Costs& costs, const Constraints& constraints);
   /// As QpStep::start. RT.
   void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept;
-  /// Takes a new problem and goes to rest, ν = 0. x0 must outlive the calls of everything below.
-  /// RT.
+  /// Takes a new problem and goes to rest, ν = 0 and x_1 … x_N = 0. RT.
   void aim(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
            const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
            const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
 
+  const Sizes& sizes() const noexcept { return sizes_; }
   const QpRows& rows() const noexcept { return rows_; }
   const Eigen::MatrixXd& z() const noexcept { return z_; }
   const Eigen::VectorXd& x_N() const noexcept { return x_N_; }
@@ -40,14 +40,21 @@ class QpModel {
   [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
   /// Fills `compliance` of the rows (see Riccati::compliance), never zero. RT.
   void measure(Eigen::VectorXd& compliance) noexcept;
-  /// Keeps the gradient H z − h − Σ m a of this point, and returns the largest term of it. RT.
-  double differentiate(const Eigen::VectorXd& multiplier) noexcept;
-  /// The same gradient's largest component in ν beside its largest term. RT.
+  /// Keeps the gradient H z − h − Σ m a and the defects of this point, and returns the largest terms
+  /// of the gradient. RT.
+  QpCost::Terms differentiate(const Eigen::VectorXd& multiplier) noexcept;
+  /// What stationarity and the dynamics are missed by, each beside its terms; infinity where
+  /// rounding leaves λ and u no digits. RT.
   double stationarity(const Eigen::VectorXd& multiplier) noexcept;
-  /// The same of −Σ m a alone, nothing kept. RT.
-  Riccati::Reduced pull(const Eigen::VectorXd& multiplier) noexcept;
+  double inconsistency() noexcept;
+  /// How far outside its bounds a row is at most, beside its bound and the entries of its kind. RT.
+  double violation() const noexcept;
+  /// The stationarity of −Σ m a alone, with the last factorisation; no gradient is kept. RT.
+  Riccati::Stationarity pull(const Eigen::VectorXd& multiplier) noexcept;
   /// The step of the factored model with the gradient kept plus Σ e a. RT.
   void newton(const Eigen::VectorXd& extra) noexcept;
+  /// The same with Σ e a as the only gradient. RT.
+  void newton_of_rows(const Eigen::VectorXd& extra) noexcept;
   /// The same from rest, and goes there: the minimiser in one step, without the refinement that
   /// `differentiate`, `newton` and `move` bring. RT.
   void newton_from_rest(const Eigen::VectorXd& extra) noexcept;
@@ -61,7 +68,7 @@ class QpModel {
  private:
   void evaluate() noexcept;
   void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
-            const Eigen::VectorXd& extra) noexcept;
+            const Eigen::MatrixXd& defect, const Eigen::VectorXd& extra) noexcept;
 
   Sizes sizes_;
   QpCost cost_;
@@ -70,7 +77,8 @@ class QpModel {
   const Eigen::VectorXd* lambda_0_ = nullptr;
   Squares squares_;
   Eigen::MatrixXd z_, z_rest_, gradient_, gradient_rest_, total_, step_;  // (n_z × N)
-  Eigen::VectorXd x0_, x_N_, x_N_rest_, gradient_N_, gradient_N_rest_, total_N_, step_N_;
+  Eigen::MatrixXd defect_, defect_rest_;                                  // (n_x × N)
+  Eigen::VectorXd x_N_, x_N_rest_, gradient_N_, gradient_N_rest_, total_N_, step_N_;
   Eigen::VectorXd value_, value_rest_, weight_;  // of the rows
   bool factored_ = false;                        // with weight_
 };

@@ -1,6 +1,7 @@
 #include "controller/c3/qp_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace c3rt::c3 {
@@ -85,6 +86,16 @@ double QpRows::value(int i, const MatrixXd& z, const VectorXd& x_N) const noexce
   if (row.stage == sizes_.N) return x_N[row.coordinate];
   if (row.coordinate >= 0) return z(row.coordinate, row.stage);
   return normals_[row.normal].dot(z.col(row.stage));
+}
+
+double QpRows::largest_term(int i, const MatrixXd& z, const VectorXd& x_N) const noexcept {
+  if (rows_[i].coordinate >= 0) return std::abs(value(i, z, x_N));
+  const VectorXd& a = normals_[rows_[i].normal];
+  double largest = 0.0;
+  for (Eigen::Index j = 0; j < a.size(); ++j) {
+    largest = std::max(largest, std::abs(a[j] * z(j, rows_[i].stage)));
+  }
+  return largest;
 }
 
 void QpRows::add(int i, double c, MatrixXd& gradient, VectorXd& gradient_N) const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,8 +34,16 @@ class QpRows {
   /// The row of the same entry of z one stage later (step 1) or earlier (−1), or −1. RT.
   int beside(int i, int step) const noexcept { return step > 0 ? later_[i] : earlier_[i]; }
 
+  /// How far a value is above its upper bound, or, negative, below its lower; 0 between them. RT.
+  double outside(int i, double value) const noexcept {
+    const Row& row = rows_[i];
+    return value > row.upper ? value - row.upper : std::min(value - row.lower, 0.0);
+  }
+
   /// aᵀ z_k, or aᵀ x_N. RT.
   double value(int i, const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) const noexcept;
+  /// Its largest term |a_j z_j|. RT.
+  double largest_term(int i, const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) const noexcept;
   /// Adds c a to what belongs to stage k or x_N. RT.
   void add(int i, double c, Eigen::MatrixXd& gradient, Eigen::VectorXd& gradient_N) const noexcept;
   /// The a of a row without a coordinate (n_z); nullptr for one with. RT.

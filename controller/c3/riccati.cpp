@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace c3rt::c3 {
 namespace {
@@ -12,6 +13,7 @@ using Eigen::VectorXd;
 constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where Cholesky breaks down
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
+constexpr double kOwn = 1e-6;  // share of a gradient's own terms that counts as its scale
 constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
 
 /// y += S v for columns [first, last) of S, v starting with column `first`.
@@ -19,6 +21,15 @@ void add_product(kernels::Columns S, int first, int last, const double* v, doubl
   for (int j = first; j < last; ++j) {
     const double factor = v[j - first];
     for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] += S.value[e] * factor;
+  }
+}
+
+/// y −= S v in the same way.
+void subtract_product(kernels::Columns S, int first, int last, const double* v,
+                      double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    const double factor = v[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] -= S.value[e] * factor;
   }
 }
 
@@ -97,6 +108,7 @@ Riccati::Riccati(const Sizes& sizes)
     stage.T.assign(ld_x * n_nu, 0.0);
     stage.P_next.assign(ld_x * n_x, 0.0);
     stage.kappa.assign(ld_nu, 0.0);
+    stage.R_diagonal.assign(ld_nu, 0.0);
   }
   PA_.assign(ld_x * n_x, 0.0);
   AP_ = PA_;
@@ -168,6 +180,7 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) no
   add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
   kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
   Stage& stage = stages_[k];
+  for (int j = 0; j < n; ++j) stage.R_diagonal[j] = R_[j * ld + j];
   if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
   double shift = 0.0;
   for (int j = 0; j < n; ++j) shift = std::max(shift, kFirstShift * R_[j * ld + j]);
@@ -201,38 +214,95 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares)
   }
 }
 
-void Riccati::roll_out(const Eigen::Ref<const VectorXd>& x0, Eigen::Ref<MatrixXd> z,
-                       Eigen::Ref<VectorXd> x_N) const noexcept {
+double Riccati::defects(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
+                        MatrixXd& defect) const noexcept {
   const int n_x = sizes_.n_x;
-  sizes_.x(z.col(0)) = x0;
+  double worst = 0.0;
   for (int k = 0; k < sizes_.N; ++k) {
     const double* z_k = z.col(k).data();
-    double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
-    std::copy_n(lcs_[k].d.data(), n_x, next);
-    add_product(system(k).A.columns(), 0, n_x, z_k, next);
-    add_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, next);
+    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    double* out = defect.col(k).data();
+    double largest = 0.0, scale = 0.0;
+    for (int i = 0; i < n_x; ++i) out[i] = -lcs_[k].d.data()[i];
+    subtract_product(system(k).A.columns(), 0, n_x, z_k, out);
+    for (int i = 0; i < n_x; ++i) scale = larger(scale, std::abs(out[i]));
+    subtract_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, out);
+    for (int i = 0; i < n_x; ++i) {
+      scale = larger(scale, std::abs(next[i]));
+      out[i] += next[i];
+      largest = larger(largest, std::abs(out[i]));
+    }
+    if (largest != 0.0) worst = larger(worst, largest / scale);
   }
+  return worst;
 }
 
-Riccati::Reduced Riccati::reduce(const MatrixXd& gradient, const VectorXd& gradient_N) noexcept {
+Riccati::Stationarity Riccati::stationarity(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                            const Eigen::Ref<const MatrixXd>& z) noexcept {
+  return look(gradient, gradient_N, nullptr, z.data());
+}
+
+Riccati::Stationarity Riccati::pull(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                    const MatrixXd& defect) noexcept {
+  return look(gradient, gradient_N, &defect, nullptr);
+}
+
+Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                    const MatrixXd* defect, const double* z) noexcept {
   const int n_x = sizes_.n_x;
-  Reduced reduced{0.0, 0.0};
+  Stationarity found;
   std::copy_n(gradient_N.data(), n_x, p_.data());
   for (int k = sizes_.N - 1; k >= 0; --k) {
+    const Stage& stage = stages_[k];
     const double* g = gradient.col(k).data();
     const int begin = first(k), n = n_nu_ - begin;
-    std::fill(nu_.begin(), nu_.end(), 0.0);
-    add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), nu_.data());
+    if (defect != nullptr) {
+      for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
+    }
+    const kernels::Columns B_hat = system(k).B_hat.columns();
+    double size[2] = {1.0, 1.0}, unknown[2] = {0.0, 0.0};  // of λ, of u
+    for (int i = 0; i < n_nu_ && z != nullptr; ++i) {
+      double& kind = size[i < sizes_.n_lambda ? 0 : 1];
+      kind = std::max(kind, std::abs(z[k * sizes_.n_z() + n_x + i]));
+    }
+    for (int i = 0; i < n; ++i) {
+      double sum = 0.0, terms = 0.0;
+      for (int e = B_hat.start[begin + i]; e < B_hat.start[begin + i + 1]; ++e) {
+        const double term = B_hat.value[e] * p_[B_hat.row[e]];
+        sum += term;
+        terms += std::abs(term);
+      }
+      nu_[i] = sum;
+      double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
+      kind = larger(kind, std::numeric_limits<double>::epsilon() * terms / stage.R_diagonal[i]);
+    }
+    for (int kind : {0, 1}) found.unknown = larger(found.unknown, unknown[kind] / size[kind]);
+    std::fill(nu_.begin() + n, nu_.end(), 0.0);
     for (int i = 0; i < n; ++i) {
       const double own = g[n_x + begin + i];
-      reduced.scale = larger(larger(reduced.scale, std::abs(nu_[i])), std::abs(own));
-      reduced.largest = larger(reduced.largest, std::abs(nu_[i] + own));
+      found.input_scale = larger(larger(found.input_scale, std::abs(nu_[i])), std::abs(own));
+      nu_[i] += own;
+      found.input = larger(found.input, std::abs(nu_[i]));
+      found.input_sum += std::abs(nu_[i]);
     }
-    std::copy_n(g, n_x, p_next_.data());
+    if (k == 0) break;
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    std::fill(p_next_.begin(), p_next_.end(), 0.0);
     add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    for (int i = 0; i < n_x; ++i) {
+      found.state_scale = larger(larger(found.state_scale, std::abs(p_next_[i])), std::abs(g[i]));
+      p_next_[i] += g[i];
+    }
+    std::fill(x_.begin(), x_.end(), 0.0);
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
+    for (int i = 0; i < n_x; ++i) {
+      found.state = larger(found.state, std::abs(x_[i]));
+      found.state_sum += std::abs(x_[i]);
+      p_next_[i] += x_[i];
+    }
     p_.swap(p_next_);
   }
-  return reduced;
+  return found;
 }
 
 double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept {
@@ -259,14 +329,16 @@ double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept 
   return sum;
 }
 
-void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, MatrixXd& step_z,
-                   VectorXd& step_N) noexcept {
+void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, const MatrixXd& defect,
+                   MatrixXd& step_z, VectorXd& step_N) noexcept {
   const int n_x = sizes_.n_x;
   std::copy_n(gradient_N.data(), n_x, p_.data());
   for (int k = sizes_.N - 1; k >= 0; --k) {
     Stage& stage = stages_[k];
     const double* g = gradient.col(k).data();
     const int begin = first(k), n = n_nu_ - begin;
+    // the cost-to-go is met at the state that the defect shifts
+    kernels::subtract_columns(n_x, n_x, stage.P_next.data(), defect.col(k).data(), p_.data());
     std::copy_n(g + n_x + begin, n, stage.kappa.data());
     add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), stage.kappa.data());
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), stage.kappa.data());
@@ -287,12 +359,21 @@ void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, MatrixX
     std::copy_n(x_.data(), n_x, z_k);
     std::fill_n(z_k + n_x, begin, 0.0);
     std::copy_n(nu_.data(), n, z_k + n_x + begin);
-    std::fill(x_next_.begin(), x_next_.end(), 0.0);
+    for (int i = 0; i < n_x; ++i) x_next_[i] = -defect(i, k);
     add_product(system(k).A.columns(), 0, n_x, x_.data(), x_next_.data());
     add_product(system(k).B_hat.columns(), begin, n_nu_, nu_.data(), x_next_.data());
     x_.swap(x_next_);
   }
   std::copy_n(x_.data(), n_x, step_N.data());
+}
+
+double relative(const Riccati::Stationarity& found, const QpCost::Terms& terms,
+                double gain) noexcept {
+  // terms of the gradient in the inputs count where nothing else is there, to cover their rounding
+  const double input_scale = std::max({found.input_scale, gain * terms.state, kOwn * terms.input});
+  const double state_scale = std::max(found.state_scale, terms.state);
+  const double input = found.input == 0.0 ? 0.0 : found.input / input_scale;
+  return larger(input, found.state == 0.0 ? 0.0 : found.state / state_scale);
 }
 
 double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,

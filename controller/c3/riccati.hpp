@@ -6,6 +6,7 @@
 
 #include "controller/c3/kernels.hpp"
 #include "controller/c3/problem.hpp"
+#include "controller/c3/qp_cost.hpp"
 
 namespace c3rt::c3 {
 
@@ -40,7 +41,9 @@ class Squares {
 ///   given
 ///
 /// over the inputs ν = [λ; u], B̂ = [D B], by the Riccati recursion: time and memory grow linearly
-/// with N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A and
+/// with N. States are variables of their own: a point may miss the dynamics by its defects, which a
+/// step takes out, so that nothing is ever rolled out with the open loop, whose rounding would grow
+/// as ρ(A)^N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A and
 /// B̂ are found in `start` and never multiplied; x_0 does not move, so stage 0 takes part with its ν
 /// only, and where λ_0 is fixed with its u only. After the constructor nothing allocates.
 class Riccati {
@@ -65,27 +68,46 @@ class Riccati {
   /// Largest entry of B̂ by size.
   double largest_gain() const noexcept { return largest_gain_; }
 
-  /// The states that x0 and the ν of z lead to. RT.
-  void roll_out(const Eigen::Ref<const Eigen::VectorXd>& x0, Eigen::Ref<Eigen::MatrixXd> z,
-                Eigen::Ref<Eigen::VectorXd> x_N) const noexcept;
+  /// What x_{k+1} of a point has beyond A x_k + B̂ ν_k + d, into column k (n_x × N). Returns the
+  /// largest beside the largest term of its stage; NaN if one is. RT.
+  double defects(const Eigen::Ref<const Eigen::MatrixXd>& z,
+                 const Eigen::Ref<const Eigen::VectorXd>& x_N,
+                 Eigen::MatrixXd& defect) const noexcept;
 
-  /// A gradient in z and x_N reduced to ν, the states following from it. RT.
+  /// How far a gradient in z and x_N is from zero once multipliers p_1 … p_N of the dynamics are
+  /// added: g_ν + B̂ᵀ p_{k+1} in the inputs, g_x + Aᵀ p_{k+1} − p_k in the states. The multipliers
+  /// come from the last factorisation's recursion, so that they are a closed loop's: those that
+  /// make the part in the states zero, p_k = g_x + Aᵀ p_{k+1}, grow as ρ(A)^N with what the part in
+  /// the inputs misses.
+  struct Stationarity {
+    double input = 0.0, state = 0.0;              // largest component by size; NaN if one is
+    double input_scale = 0.0, state_scale = 0.0;  // the largest term that these are made of
+    double input_sum = 0.0, state_sum = 0.0;      // of all components by size
+    double unknown = 0.0;                         // what rounding leaves open of λ and u, at least,
+                                                  // beside 1 and the largest of its stage
+    double defect = 0.0;                          // Σ p_{k+1}ᵀ defect_k
+  };
+  /// RT.
   /// @param gradient    of stage k in column k (n_z × N)
   /// @param gradient_N  (n_x)
-  struct Reduced {
-    double largest;  // component by size; NaN if one is
-    double scale;    // largest of the terms that it is made of
-  };
-  Reduced reduce(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N) noexcept;
+  /// @param z           (n_z × N) where the gradient was taken, only for Stationarity::unknown
+  Stationarity stationarity(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
+                            const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
+  /// The same of a gradient that was taken nowhere. RT.
+  /// @param defect      (n_x × N), only for Stationarity::defect
+  Stationarity pull(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
+                    const Eigen::MatrixXd& defect) noexcept;
 
   /// How far aᵀ z_k (k < N) or aᵀ x_N moves for a unit multiplier: aᵀ H⁻¹ a of the whole problem,
   /// or at least the part of it that the inputs of the last few stages up to k bring. RT.
   /// @param a  (n_z), or (n_x) with k = N
   double compliance(int k, const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
 
-  /// The change of z and x_N that minimises the model with this gradient. RT.
+  /// The change of z and x_N that minimises the model with this gradient and takes the defects out.
+  /// RT.
   void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
-            Eigen::MatrixXd& step_z, Eigen::VectorXd& step_N) noexcept;
+            const Eigen::MatrixXd& defect, Eigen::MatrixXd& step_z,
+            Eigen::VectorXd& step_N) noexcept;
 
  private:
   /// A matrix by columns without its zeros (see kernels::Columns).
@@ -102,12 +124,15 @@ class Riccati {
     std::vector<double> T;             // (L⁻¹ S)ᵀ, S = H_νx + B̂ᵀ P A    (n_x × n_nu)
     std::vector<double> P_next;        // of the cost-to-go behind this stage    (n_x × n_x)
     std::vector<double> kappa;         // L⁻¹ (gradient of ν)
+    std::vector<double> R_diagonal;    // of R̂
   };
 
   const System& system(int k) const noexcept { return systems_[k * lcs_.stride]; }
   /// First entry of ν_k that is free.
   int first(int k) const noexcept { return k == 0 && lambda_0_fixed_ ? sizes_.n_lambda : 0; }
   bool factor_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
+  Stationarity look(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
+                    const Eigen::MatrixXd* defect, const double* z) noexcept;
   void eliminate_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
 
   Sizes sizes_;
@@ -121,6 +146,11 @@ class Riccati {
   std::vector<double> PA_, AP_, PB_, BP_, R_;
   std::vector<double> p_, p_next_, x_, x_next_, nu_;
 };
+
+/// Stationarity beside its terms, of which `terms` are those of the gradient.
+/// @param gain  largest entry of B̂
+double relative(const Riccati::Stationarity& found, const QpCost::Terms& terms,
+                double gain) noexcept;
 
 /// A step beside the point z (n_z × N each): the largest ratio of the largest entries of x, of λ
 /// and of u. RT.

@@ -199,10 +199,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
     const double rho = solution_.rho;
     aim(lcs);
     solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);         // [C3, eq. (21)]
-    if (solution_.qp.status == QpStatus::kInfeasible ||
-        solution_.qp.status == QpStatus::kNotFactorable) {
-      return fail(Failure::kQp);
-    }
+    if (solution_.qp.status != QpStatus::kSolved) return fail(Failure::kQp);
     if (!z_.allFinite() || !x_N_.allFinite()) return fail(Failure::kNotFinite);
     solution_.z.topRows(sizes_.n_z()) = z_;
     solution_.x_N = x_N_;

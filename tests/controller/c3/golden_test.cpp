@@ -51,7 +51,7 @@ void compare_qp(const golden::Case& c, QpStep& qp, double tolerance) {
     const MatrixXd delta = i == 0 ? first_delta(c) : c.iterations[i - 1].delta;
     const QpReport report = qp.solve(c.iterations[i].rho, c.x0, c.x_desired,
                                      c.costs.G[0] * (delta - dual(c, i)), z, x_N);
-    CAPTURE(c.id, i, report.iterations, report.residual);
+    CAPTURE(c.id, i, report.iterations, report.dual_residual);
     CHECK(report.status == QpStatus::kSolved);
     CHECK(distance(z, c.iterations[i].z) < tolerance);
     CHECK(distance(x_N, c.iterations[i].x_N) < tolerance);

@@ -94,7 +94,7 @@ TEST_CASE(
     const Problem p = constrained(seed);
     const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
     const Reference expected = reference(p, &answer);
-    CAPTURE(seed, answer.report.iterations, answer.report.residual, expected.active);
+    CAPTURE(seed, answer.report.iterations, answer.report.dual_residual, expected.active);
     CHECK(answer.report.status == QpStatus::kSolved);
     CHECK(error(p, answer, expected) < 1e-9);
     CHECK(expected.wrong < 1e-8);
@@ -108,7 +108,7 @@ TEST_CASE("interior point: OSQP, however precise, finds the same") {
     const Problem p = constrained(seed);
     const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
     const Answer osqp = solve(*make_osqp_qp(p.sizes, kPrecise), p);
-    CAPTURE(seed, answer.report.iterations, answer.report.residual, osqp.report.iterations);
+    CAPTURE(seed, answer.report.iterations, answer.report.dual_residual, osqp.report.iterations);
     CHECK(answer.report.status == QpStatus::kSolved);
     CHECK(osqp.report.status == QpStatus::kSolved);
     CHECK(error(p, answer, osqp) < 1e-6);
@@ -133,7 +133,7 @@ TEST_CASE("interior point: weights that differ by up to 1e8 between coordinates 
     }
     const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
     const Reference expected = reference(p, &answer);
-    CAPTURE(seed, answer.report.iterations, answer.report.residual, expected.active);
+    CAPTURE(seed, answer.report.iterations, answer.report.dual_residual, expected.active);
     CHECK(answer.report.status == QpStatus::kSolved);
     CHECK(error(p, answer, expected) < 1e-8);
     CHECK(expected.wrong < 1e-7);
@@ -151,7 +151,7 @@ TEST_CASE("interior point: equal bounds are met, alone and beside others") {
     p.constraints.x_N_min.head(fixed) = p.constraints.x_N_max.head(fixed) = point.x_N.head(fixed);
     const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
     const Reference expected = reference(p, &answer);
-    CAPTURE(seed, answer.report.iterations, answer.report.residual, expected.active);
+    CAPTURE(seed, answer.report.iterations, answer.report.dual_residual, expected.active);
     CHECK(answer.report.status == QpStatus::kSolved);
     CHECK((answer.x_N - point.x_N).head(fixed).cwiseAbs().maxCoeff() < 1e-9);
     CHECK(error(p, answer, expected) < 1e-9);
@@ -173,7 +173,7 @@ TEST_CASE("interior point: weights from 1e-7 to 1e4 and forces of a thousand are
   const Problem p = bounded_ball();
   const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
   const Reference expected = reference(p, &answer);
-  CAPTURE(answer.report.iterations, answer.report.residual, expected.active);
+  CAPTURE(answer.report.iterations, answer.report.dual_residual, expected.active);
   REQUIRE(answer.report.status == QpStatus::kSolved);
   REQUIRE(expected.active > 10);
   REQUIRE(error(p, answer, expected) < 1e-6);
@@ -213,7 +213,7 @@ TEST_CASE(
     p.constraints.C_max = VectorXd::Constant(1, limit);
     const Answer answer = solve(*make_interior_point_qp(p.sizes), p);
     const Answer osqp = solve(*make_osqp_qp(p.sizes, kPrecise), p);
-    CAPTURE(limit, answer.report.iterations, answer.report.residual);
+    CAPTURE(limit, answer.report.iterations, answer.report.dual_residual);
     CHECK(answer.report.status == (limit < 1.0 ? QpStatus::kInfeasible : QpStatus::kSolved));
     CHECK(osqp.report.status == answer.report.status);
     if (limit >= 1.0) CHECK(error(p, answer, osqp) < 1e-6);

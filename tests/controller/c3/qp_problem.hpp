@@ -187,7 +187,7 @@ inline std::vector<Row> rows(const Problem& p) {
 
 /// The solution of the whole KKT system, dense, in long double, with the rows as equalities that
 /// hold with equality (to 1e-7) at a claimed answer; and how far that is from being optimal: by the
-/// signs of the multipliers of those rows and by the violation of the others.
+/// signs of the multipliers of those rows, where they are unique, and by the violation of the others.
 struct Reference {
   MatrixXd z;
   VectorXd x_N;
@@ -244,14 +244,16 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
     right[n + m + n_fixed + i] = side[i] == -1 ? active[i].upper : active[i].lower;
   }
   kkt.topRightCorner(n, size - n) = kkt.bottomLeftCorner(size - n, n).transpose();
-  const LongVector solution = kkt.colPivHouseholderQr().solve(right);
+  const auto factor = kkt.colPivHouseholderQr();
+  const LongVector solution = factor.solve(right);
   Reference found{MatrixXd(n_z, N), solution.segment(N * n_z, n_x).cast<double>()};
   for (int k = 0; k < N; ++k) found.z.col(k) = solution.segment(k * n_z, n_z).cast<double>();
   found.active = n_active;
   const auto largest = std::max(1.0L, solution.tail(n_active).size() == 0
                                           ? 0.0L
                                           : solution.tail(n_active).cwiseAbs().maxCoeff());
-  for (int i = 0; i < n_active; ++i) {  // here a row's multiplier is the negative of the usual one
+  // of rows that depend on one another the multipliers are not unique
+  for (int i = 0; i < n_active && factor.isInvertible(); ++i) {  // here a row's multiplier is the negative of the usual one
     const long double pull = -solution[n + m + n_fixed + i] / largest;
     found.wrong = std::max(found.wrong, static_cast<double>(-pull * side[i]));
   }
@@ -268,6 +270,7 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
 template <typename A, typename B>
 double error(const Problem& p, const A& got, const B& expected) {
   const auto relative = [](const MatrixXd& a, const MatrixXd& b) {
+    if (b.size() == 0) return 0.0;
     return (a - b).cwiseAbs().maxCoeff() / std::max(1e-3, b.cwiseAbs().maxCoeff());
   };
   const int n_x = p.sizes.n_x, n_lambda = p.sizes.n_lambda, n_u = p.sizes.n_u;

@@ -69,7 +69,7 @@ Problem problem(unsigned seed) {
 }  // namespace
 
 TEST_CASE(
-    "Riccati: a step is the minimiser of the dense model, the reduced gradient its gradient") {
+    "Riccati: a step is the minimiser of the dense model at the states that the dynamics lead to") {
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Problem p = problem(seed);
     const Sizes& s = p.sizes;
@@ -81,22 +81,77 @@ TEST_CASE(
     support::Random random(seed + 100);
     const MatrixXd gradient = random.matrix(s.n_z(), s.N);
     const VectorXd gradient_N = random.vector(s.n_x);
+    // a point that misses the dynamics, and the step along them that takes the defects out alone
+    const MatrixXd z = random.matrix(s.n_z(), s.N);
+    const VectorXd x_N = random.vector(s.n_x);
+    MatrixXd defect(s.n_x, s.N), along = MatrixXd::Zero(s.n_z(), s.N);
+    REQUIRE(riccati.defects(z, x_N, defect) > 0.1);
+    VectorXd x = VectorXd::Zero(s.n_x);
+    for (int k = 0; k < s.N; ++k) {
+      s.x(along.col(k)) = x;
+      const VectorXd next = k + 1 < s.N ? VectorXd(s.x(z.col(k + 1))) : x_N;
+      const VectorXd expected = next - p.lcs[k].A * s.x(z.col(k)) - p.lcs[k].B * s.u(z.col(k)) -
+                                p.lcs[k].D * s.lambda(z.col(k)) - p.lcs[k].d;
+      CHECK((defect.col(k) - expected).cwiseAbs().maxCoeff() < 1e-13);
+      x = p.lcs[k].A * x - expected;
+    }
     MatrixXd step = MatrixXd::Constant(s.n_z(), s.N, NAN);
     VectorXd step_N = VectorXd::Constant(s.n_x, NAN);
-    riccati.step(gradient, gradient_N, step, step_N);
-    VectorXd all(s.N * s.n_z() + s.n_x);
+    riccati.step(gradient, gradient_N, defect, step, step_N);
+    VectorXd all(s.N * s.n_z() + s.n_x), shift(all.size());
     all << gradient.reshaped(), gradient_N;
-    const VectorXd expected = -dense.inverse(p) * all;
+    shift << along.reshaped(), x;
+    const VectorXd expected = shift - dense.inverse(p) * (all + dense.H * shift);
     VectorXd got(all.size());
     got << step.reshaped(), step_N;
     CAPTURE(seed);
     CHECK((got - expected).cwiseAbs().maxCoeff() < 1e-10 * expected.cwiseAbs().maxCoeff());
+  }
+}
 
-    const VectorXd reduced = dense.Phi.transpose() * all;
-    CHECK(riccati.reduce(gradient, gradient_N).largest ==
-          Approx(reduced.cwiseAbs().maxCoeff()).epsilon(1e-12));
-    CHECK(riccati.reduce(gradient, gradient_N).scale >=
-          (1.0 - 1e-12) * 0.5 * reduced.cwiseAbs().maxCoeff());
+TEST_CASE("Riccati: stationarity is what the multipliers of the dynamics leave of a gradient") {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Problem p = problem(seed);
+    const Sizes& s = p.sizes;
+    const std::vector<MatrixXd> H = hessians(p);
+    Riccati riccati(s);
+    riccati.start({p.lcs.data(), 1}, p.fixes_lambda_0);
+    REQUIRE(riccati.factor({H.data(), 1}, p.costs.Q_N));
+    support::Random random(seed + 100);
+    const MatrixXd gradient = random.matrix(s.n_z(), s.N), z = random.matrix(s.n_z(), s.N);
+    const VectorXd gradient_N = random.vector(s.n_x), x_N = random.vector(s.n_x);
+    MatrixXd defect(s.n_x, s.N);
+    riccati.defects(z, x_N, defect);
+    const Riccati::Stationarity found = riccati.pull(gradient, gradient_N, defect);
+    // along any way e that the dynamics allow from here, gᵀe is at most what is left times e, and
+    // what the multipliers make of the defects
+    for (int trial = 0; trial < 20; ++trial) {
+      VectorXd x = VectorXd::Zero(s.n_x);
+      double along = 0.0, size_x = 0.0;
+      for (int k = 0; k < s.N; ++k) {
+        VectorXd nu = random.vector(s.n_lambda + s.n_u);
+        if (k == 0 && p.fixes_lambda_0) nu.head(s.n_lambda).setZero();
+        along += s.x(gradient.col(k)).dot(x) + gradient.col(k).tail(nu.size()).dot(nu);
+        if (k > 0) size_x = std::max(size_x, x.cwiseAbs().maxCoeff());
+        x = p.lcs[k].A * x + p.lcs[k].D * nu.head(s.n_lambda) + p.lcs[k].B * nu.tail(s.n_u) -
+            defect.col(k);
+      }
+      along += gradient_N.dot(x);
+      CAPTURE(seed, trial);
+      CHECK(std::abs(along + found.defect) <=
+            found.input_sum + found.state_sum * size_x + 1e-9 * std::abs(along));
+    }
+    // and at the model's minimiser nothing is left
+    MatrixXd at = MatrixXd::Zero(s.n_z(), s.N), left = gradient;
+    VectorXd at_N(s.n_x), left_N = gradient_N;
+    riccati.step(gradient, gradient_N, MatrixXd::Zero(s.n_x, s.N), at, at_N);
+    for (int k = 0; k < s.N; ++k) left.col(k) += H[k] * at.col(k);
+    left_N += p.costs.Q_N * at_N;
+    const Riccati::Stationarity none = riccati.stationarity(left, left_N, at);
+    CHECK(none.input <= 1e-12 * none.input_scale);
+    CHECK(none.state <= 1e-12 * none.state_scale);
+    CHECK(none.unknown < 1e-12);
+    CHECK(found.input > 1e-3 * found.input_scale);
   }
 }
 
@@ -118,8 +173,9 @@ TEST_CASE("Riccati: factoring anew up to the last change gives the bits of facto
       REQUIRE(all.factor({H.data(), 1}, p.costs.Q_N));
       MatrixXd step(s.n_z(), s.N), expected(s.n_z(), s.N);
       VectorXd step_N(s.n_x), expected_N(s.n_x);
-      part.step(gradient, gradient_N, step, step_N);
-      all.step(gradient, gradient_N, expected, expected_N);
+      const MatrixXd defect = MatrixXd::Constant(s.n_x, s.N, 0.1);
+      part.step(gradient, gradient_N, defect, step, step_N);
+      all.step(gradient, gradient_N, defect, expected, expected_N);
       CAPTURE(seed, last);
       CHECK(step == expected);
       CHECK(step_N == expected_N);
@@ -158,7 +214,7 @@ TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part 
       REQUIRE(riccati.factor({hessians.data(), 1}, last, s.N, beside));
       MatrixXd z(s.n_z(), s.N);
       VectorXd x_N(s.n_x), all(z.size() + s.n_x);
-      riccati.step(gradient, gradient_N, z, x_N);
+      riccati.step(gradient, gradient_N, MatrixXd::Zero(s.n_x, s.N), z, x_N);
       all << z.reshaped(), x_N;
       return all;
     };
@@ -169,22 +225,6 @@ TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part 
     squares.clear();
     CHECK(step(H, H_N, &squares) == expected);
   }
-}
-
-TEST_CASE("Riccati: the roll-out is the system, step by step") {
-  const Problem p = problem(4);
-  Riccati riccati(p.sizes);
-  riccati.start({p.lcs.data(), 1}, false);
-  support::Random random(3);
-  MatrixXd z = random.matrix(p.sizes.n_z(), p.sizes.N);
-  VectorXd x_N(p.sizes.n_x), x = p.x0;
-  riccati.roll_out(p.x0, z, x_N);
-  for (int k = 0; k < p.sizes.N; ++k) {
-    CHECK((p.sizes.x(z.col(k)) - x).cwiseAbs().maxCoeff() < 1e-13);
-    x = p.lcs[k].A * x + p.lcs[k].B * p.sizes.u(z.col(k)) + p.lcs[k].D * p.sizes.lambda(z.col(k)) +
-        p.lcs[k].d;
-  }
-  CHECK((x_N - x).cwiseAbs().maxCoeff() < 1e-13);
 }
 
 TEST_CASE(
@@ -284,15 +324,18 @@ TEST_CASE("Riccati: start, factor and step do not allocate") {
   const MatrixXd gradient = MatrixXd::Ones(p.sizes.n_z(), p.sizes.N);
   const VectorXd gradient_N = VectorXd::Ones(p.sizes.n_x);
   MatrixXd step(p.sizes.n_z(), p.sizes.N);
+  MatrixXd defect(p.sizes.n_x, p.sizes.N);
   VectorXd step_N(p.sizes.n_x);
   const support::AllocationCounter counter;
   riccati.start({p.lcs.data(), 1}, true);
   const bool factored = riccati.factor({H.data(), 1}, p.costs.Q_N);
-  riccati.step(gradient, gradient_N, step, step_N);
+  riccati.defects(gradient, gradient_N, defect);
+  riccati.step(gradient, gradient_N, defect, step, step_N);
   const double compliance = riccati.compliance(p.sizes.N, gradient_N);
-  riccati.roll_out(p.x0, step, step_N);
+  const double left = riccati.stationarity(gradient, gradient_N, gradient).input;
   const auto calls = counter.count();
   REQUIRE(factored);
   REQUIRE(compliance > 0.0);
+  REQUIRE(left > 0.0);
   REQUIRE(calls == 0);
 }
