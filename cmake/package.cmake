@@ -1,18 +1,18 @@
-# What find_package(c3rt) gives: the pure libraries, their headers, and OSQP, which they link. A consumer needs only
-# Eigen. Installed alone by: cmake --install <build> --component library
+# What find_package(c3rt) gives: the pure libraries and their headers. A consumer needs only Eigen, with whatever
+# flags. Installed alone by: cmake --install <build> --component library
 include(CheckCXXSourceCompiles)
 include(CMakePackageConfigHelpers)
 
-# What Eigen allocates here may be freed in the consumer's code, so both must agree on how: with AddressSanitizer or for
-# another vector unit Eigen would do it differently. lcs.hpp refuses the latter.
+# How Eigen allocates in this build. Where that is std::malloc, the package's code allocates by its caller's Eigen instead
+# (eigen_abi.hpp.in); else, with sanitizers or for another vector unit, its callers must do as this build does.
 set(CMAKE_REQUIRED_LIBRARIES Eigen3::Eigen)
-set(eigen_alignment 16)
+set(native_alignment 16)
 foreach(bytes 16 32 64)
   check_cxx_source_compiles("#include <Eigen/Core>
     static_assert(EIGEN_DEFAULT_ALIGN_BYTES == ${bytes}, \"\");
     int main() {}" C3RT_EIGEN_ALIGNMENT_IS_${bytes})
   if(C3RT_EIGEN_ALIGNMENT_IS_${bytes})
-    set(eigen_alignment ${bytes})
+    set(native_alignment ${bytes})
     break()
   endif()
 endforeach()
@@ -24,37 +24,58 @@ check_cxx_source_compiles("#include <Eigen/Core>
   int main() {}" C3RT_EIGEN_PLAIN_MALLOC)
 unset(CMAKE_REQUIRED_FLAGS)
 unset(CMAKE_REQUIRED_LIBRARIES)
-set(eigen_plain_malloc $<BOOL:${C3RT_EIGEN_PLAIN_MALLOC}>)
 
-# c3rt_export(ROOM header...): the target c3rt::ROOM of the package and its public headers
+set(native_pads 1)
+set(allocates_by_caller 0)
+if(C3RT_EIGEN_PLAIN_MALLOC)
+  set(native_pads 0)
+  if(NOT C3RT_SANITIZE)
+    set(allocates_by_caller 1)
+  endif()
+endif()
+configure_file(${PROJECT_SOURCE_DIR}/cmake/eigen_abi.hpp.in ${PROJECT_BINARY_DIR}/package/eigen_abi.hpp @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/package/eigen_abi.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/controller
+  COMPONENT library)
+
+# c3rt_export(ROOM HEADERS file... [DEPS room...] [ARCHIVES file...]): the target c3rt::ROOM of the package, its public
+# headers, and archives that it is to hold what it needs of
 function(c3rt_export room)
-  set_target_properties(c3rt_${room} PROPERTIES EXPORT_NAME ${room})
-  target_include_directories(c3rt_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_compile_features(c3rt_${room} INTERFACE cxx_std_17)
-  target_compile_definitions(c3rt_${room} INTERFACE
-    $<INSTALL_INTERFACE:C3RT_EIGEN_ALIGNMENT=${eigen_alignment};EIGEN_MALLOC_ALREADY_ALIGNED=${eigen_plain_malloc}>)
-  install(TARGETS c3rt_${room} EXPORT c3rtTargets
+  cmake_parse_arguments(arg "" "" "HEADERS;DEPS;ARCHIVES" ${ARGN})
+  set(object ${PROJECT_BINARY_DIR}/package/${room}.o)
+  add_custom_command(OUTPUT ${object}
+    COMMAND ${CMAKE_COMMAND} -DLINKER=${CMAKE_LINKER} -DOBJCOPY=${CMAKE_OBJCOPY} -DNM=${CMAKE_NM}
+      "-DINPUTS=$<TARGET_OBJECTS:c3rt_${room}>" "-DARCHIVES=${arg_ARCHIVES}" -DBY_CALLER=${allocates_by_caller}
+      -DOUTPUT=${object} -P ${PROJECT_SOURCE_DIR}/cmake/isolate.cmake
+    DEPENDS $<TARGET_OBJECTS:c3rt_${room}> ${arg_ARCHIVES} ${PROJECT_SOURCE_DIR}/cmake/isolate.cmake VERBATIM)
+  set_source_files_properties(${object} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+  add_library(c3rt_package_${room} STATIC ${object})
+  set_target_properties(c3rt_package_${room} PROPERTIES
+    EXPORT_NAME ${room} OUTPUT_NAME c3rt_${room} LINKER_LANGUAGE CXX
+    ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/package)
+  list(TRANSFORM arg_DEPS PREPEND c3rt_package_)
+  target_link_libraries(c3rt_package_${room} INTERFACE ${arg_DEPS} Eigen3::Eigen)
+  if(arg_ARCHIVES)
+    target_link_libraries(c3rt_package_${room} INTERFACE m dl)
+  endif()
+  target_include_directories(c3rt_package_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(c3rt_package_${room} INTERFACE cxx_std_17)
+  install(TARGETS c3rt_package_${room} EXPORT c3rtTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
-  list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/controller/${room}/)
-  install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/controller/${room} COMPONENT library)
+  install(CODE "
+    set(from \"${PROJECT_SOURCE_DIR}\")
+    set(to \"${CMAKE_INSTALL_INCLUDEDIR}\")
+    set(headers ${arg_HEADERS})
+    list(TRANSFORM headers PREPEND controller/${room}/)
+    include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")" COMPONENT library)
 endfunction()
 
-c3rt_export(lcs lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
-c3rt_export(c3 deadline.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp)
-c3rt_export(horizon condensed.hpp modes.hpp problem.hpp search.hpp)
-c3rt_export(model ball_model.hpp balls_model.hpp cart_pole.hpp contact_system.hpp finger_gaiting.hpp linearise.hpp
-  pivoting.hpp)
-c3rt_export(example closed_loop.hpp controller.hpp experiment.hpp)
-
-# under a name that meets no other OSQP in the same prefix; its headers stay here
-install(FILES ${C3RT_THIRD_PARTY}/lib/libosqp.a DESTINATION ${CMAKE_INSTALL_LIBDIR} RENAME libc3rt_osqp.a
-  COMPONENT library)
-set_target_properties(third_party_osqp PROPERTIES
-  EXPORT_NAME osqp
-  INTERFACE_INCLUDE_DIRECTORIES $<BUILD_INTERFACE:${C3RT_THIRD_PARTY}/include/osqp>
-  INTERFACE_SYSTEM_INCLUDE_DIRECTORIES $<BUILD_INTERFACE:${C3RT_THIRD_PARTY}/include/osqp>
-  INTERFACE_LINK_LIBRARIES "$<BUILD_INTERFACE:${C3RT_THIRD_PARTY}/lib/libosqp.a>;$<INSTALL_INTERFACE:$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/libc3rt_osqp.a>;m;dl")
-install(TARGETS third_party_osqp EXPORT c3rtTargets)
+c3rt_export(lcs HEADERS lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
+c3rt_export(c3 HEADERS deadline.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
+  DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
+c3rt_export(horizon HEADERS condensed.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
+c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_system.hpp finger_gaiting.hpp
+  linearise.hpp pivoting.hpp DEPS lcs)
+c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/c3rt)
 install(EXPORT c3rtTargets NAMESPACE c3rt:: DESTINATION ${package_directory} COMPONENT library)
@@ -63,5 +84,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/c3rtConfig.cmake.in ${
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/c3rtConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/c3rtConfig.cmake ${PROJECT_BINARY_DIR}/c3rtConfigVersion.cmake
   DESTINATION ${package_directory} COMPONENT library)
-# builds what the component holds
-add_custom_target(library DEPENDS c3rt_lcs c3rt_c3 c3rt_horizon c3rt_model c3rt_example)
+# builds what the component holds, from objects that the programs have anyway
+add_custom_target(library
+  DEPENDS c3rt_package_lcs c3rt_package_c3 c3rt_package_horizon c3rt_package_model c3rt_package_example)
+add_dependencies(programs library)

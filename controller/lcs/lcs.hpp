@@ -2,11 +2,6 @@
 
 #include <Eigen/Core>
 
-#ifdef C3RT_EIGEN_ALIGNMENT  // of the installed library, by its package
-static_assert(EIGEN_DEFAULT_ALIGN_BYTES == C3RT_EIGEN_ALIGNMENT,
-              "c3rt was built for another vector unit: give both builds the same -march");
-#endif
-
 namespace c3rt::lcs {
 
 /// One step of a discrete-time linear complementarity system [C3, eq. (1)]:

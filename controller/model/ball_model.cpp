@@ -88,7 +88,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   system.q = to_vector(state).head<kPositions>();
 
   // q̇ = ½ [0; ω] ⊗ q_WB = ½ G ω, and Gᵀ G = I for a unit quaternion
-  const Eigen::Quaterniond& q = state.q_WB;
+  const auto& q = state.q_WB;
   Eigen::Matrix<double, 4, 3> G;
   G << -q.x(), -q.y(), -q.z(), q.w(), q.z(), -q.y(), -q.z(), q.w(), q.x(), q.y(), -q.x(), q.w();
   system.N_q = Eigen::MatrixXd::Zero(kPositions, kVelocities);
@@ -136,7 +136,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
 }
 
 Eigen::Vector3d contact_force(const Eigen::Vector3d& normal, double lambda_n,
-                              const Eigen::Vector4d& edges) {
+                              const Eigen::Matrix<double, 4, 1, Eigen::DontAlign>& edges) {
   Eigen::Vector3d t, s;
   tangents(normal, t, s);
   return normal * lambda_n + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);

@@ -19,16 +19,17 @@ struct BallModelParameters {
   double friction_table;         // μ between ball and table
 };
 
-/// State of M_s; q̇ of the quaternion is ½ [0; ω] ⊗ q with ω in W.
+/// State of M_s; q̇ of the quaternion is ½ [0; ω] ⊗ q with ω in W. Nothing in it is aligned for a
+/// vector unit, which would give it another layout for each.
 struct BallState {
   Eigen::Vector3d p_WE;      // end effector's centre [m]
-  Eigen::Quaterniond q_WB;   // the ball's orientation
+  Eigen::Quaternion<double, Eigen::DontAlign> q_WB;  // the ball's orientation
   Eigen::Vector3d p_WB;      // the ball's centre [m]
   Eigen::Vector3d v_WE;      // [m/s]
   Eigen::Vector3d omega_WB;  // in W [rad/s]
   Eigen::Vector3d v_WB;      // [m/s]
   // what the ball does on the table with nothing but that in contact, in x and y [m/s²]
-  Eigen::Vector2d a_WB = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 1, Eigen::DontAlign> a_WB = Eigen::Vector2d::Zero();
 };
 
 /// x = [p_WE (3); q_WB w x y z (4); p_WB (3); v_WE (3); ω_WB (3); v_WB (3)], u = force on the end
@@ -51,7 +52,7 @@ void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d
 /// n λ_n and what the edges +t −t +s −s add to it: the force of one contact on the body that its
 /// normal points to, in W [N].
 Eigen::Vector3d contact_force(const Eigen::Vector3d& normal, double lambda_n,
-                              const Eigen::Vector4d& edges);
+                              const Eigen::Matrix<double, 4, 1, Eigen::DontAlign>& edges);
 
 enum class BallContact {
   kEndEffector,  // end effector and ball

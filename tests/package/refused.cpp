@@ -1,0 +1,1 @@
+#include "controller/lcs/lcs.hpp"
