@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "config/json_reader.hpp"
+#include "config/read_file.hpp"
 
 namespace c3rt::config {
 namespace {
@@ -256,25 +257,7 @@ ProblemFile parse_problem(const std::string& text, const std::string& name) {
 }
 
 ProblemFile load_problem(const std::string& path) {
-  const auto refuse = [&](const std::string& expected, const std::string& got) {
-    throw ConfigError(path + ": expected " + expected + ", got " + got);
-  };
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) refuse("a problem file", "a folder");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) refuse("a file that can be read", std::strerror(errno));
-  std::string text;
-  // bit by bit: what is no file need not end, nor tell its size
-  for (char part[1 << 16]; file.read(part, sizeof part), file.gcount() > 0;) {
-    text.append(part, static_cast<std::size_t>(file.gcount()));
-    if (text.size() > kMaxBytes) {
-      refuse("at most " + std::to_string(kMaxBytes) + " bytes", "more");
-    }
-  }
-  if (file.bad()) refuse("a file that can be read", std::strerror(errno));
-  if (text.empty()) refuse("a problem", "an empty file");
-  return parse_problem(text, path);
+  return parse_problem(read_file(path, "a problem", kMaxBytes), path);
 }
 
 }  // namespace c3rt::config

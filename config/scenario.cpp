@@ -104,7 +104,7 @@ Scenario read_scenario(Section root) {
               root.text("example") + " (c3rt run runs it)");
   }
   Scenario scenario{};
-  scenario.name = root.text("name");
+  scenario.name = root.name("name");
   scenario.description = root.text("description");
   scenario.task = load_task(root.section("task"));
   scenario.criteria = load_criteria(root.list("criteria", 0, 16));

@@ -1,12 +1,14 @@
 #include "config/section.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <set>
 #include <sstream>
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
+
+#include "config/read_file.hpp"
 
 namespace c3rt::config {
 
@@ -43,7 +45,7 @@ std::string range_text(Range allowed) {
 }
 
 std::string content(const YAML::Node& node) {
-  if (node.IsScalar()) return "\"" + node.Scalar() + "\"";
+  if (node.IsScalar()) return "\"" + printable(node.Scalar()) + "\"";
   if (node.IsSequence()) return "a list of " + std::to_string(node.size());
   if (node.IsMap()) return "a mapping";
   return "nothing";
@@ -63,6 +65,58 @@ bool to_number(const YAML::Node& node, double& value) {
   }
 }
 
+// the largest of the shipped scenarios has 7 kB, one with a path of 1000 points 25 kB
+constexpr std::size_t kMaxBytes = 256 * 1024, kLongestText = 1000;
+constexpr int kMaxDepth = 32, kMaxAliases = 100, kMaxNodes = 50000;
+
+/// Refuses while it reads what no scenario needs, before anything is built from it.
+class Limits : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { node(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    node(mark);
+    if (++aliases_ > kMaxAliases) refuse(mark, "aliases", kMaxAliases);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                const std::string&) override {
+    node(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    enter(mark);
+  }
+  void OnSequenceEnd() override { --depth_; }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    enter(mark);
+  }
+  void OnMapEnd() override { --depth_; }
+
+ private:
+  [[noreturn]] static void refuse(const YAML::Mark& mark, const char* what, int most) {
+    throw YAML::ParserException(mark, "expected at most " + std::to_string(most) + " " + what);
+  }
+  void node(const YAML::Mark& mark) {
+    if (++nodes_ > kMaxNodes) refuse(mark, "values", kMaxNodes);
+  }
+  void enter(const YAML::Mark& mark) {
+    node(mark);
+    if (++depth_ > kMaxDepth) refuse(mark, "levels", kMaxDepth);
+  }
+  int depth_ = 0, aliases_ = 0, nodes_ = 0;
+};
+
+/// @throws YAML::Exception
+YAML::Node load_yaml(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Limits limits;
+  parser.HandleNextDocument(limits);
+  return YAML::Load(text);
+}
+
 void apply_override(YAML::Node& root, const std::string& file, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -71,7 +125,7 @@ void apply_override(YAML::Node& root, const std::string& file, const std::string
   const std::string path = text.substr(0, equals);
   YAML::Node value;
   try {
-    value = YAML::Load(text.substr(equals + 1));
+    value = load_yaml(text.substr(equals + 1));
   } catch (const YAML::Exception& error) {
     throw ConfigError("--set " + text + ": the value is not YAML: " + error.msg);
   }
@@ -160,6 +214,19 @@ bool Section::boolean(const std::string& key) {
 std::string Section::text(const std::string& key) {
   const YAML::Node child = require(*node_, key);
   if (!child.IsScalar()) fail(key, "a text", content(child));
+  const std::string& value = child.Scalar();
+  if (value.size() > kLongestText)
+    fail(key, "a text of at most " + std::to_string(kLongestText) + " bytes",
+         std::to_string(value.size()));
+  if (printable(value, kLongestText) != value)
+    fail(key, "a text without control characters", content(child));
+  return value;
+}
+
+std::string Section::name(const std::string& key) {
+  const YAML::Node child = require(*node_, key);
+  if (!child.IsScalar() || !is_name(child.Scalar()))
+    fail(key, "1 to 64 letters, digits, _ and -", content(child));
   return child.Scalar();
 }
 
@@ -298,7 +365,7 @@ Section Document::parse(const std::string& text, const std::string& name,
                         const std::vector<std::string>& overrides) {
   YAML::Node root;
   try {
-    root = YAML::Load(text);
+    root = load_yaml(text);
   } catch (const YAML::Exception& error) {
     throw ConfigError(name + ":" + std::to_string(error.mark.line + 1) +
                       ": not YAML: " + error.msg);
@@ -314,11 +381,7 @@ Section Document::parse(const std::string& text, const std::string& name,
 }
 
 Section Document::load(const std::string& path, const std::vector<std::string>& overrides) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError(path + ": cannot be read");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse(text.str(), path, overrides);
+  return parse(read_file(path, "a scenario", kMaxBytes), path, overrides);
 }
 
 }  // namespace c3rt::config

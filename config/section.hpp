@@ -10,12 +10,15 @@
 
 #include <Eigen/Core>
 
+#include "config/text.hpp"
+
 namespace c3rt::config {
 
-/// "circle.yaml:12: planner.admm.iterations: expected an integer in [1, 50], got 0"
+/// "circle.yaml:12: planner.admm.iterations: expected an integer in [1, 50], got 0": one line, with
+/// nothing in it that a terminal would obey.
 class ConfigError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit ConfigError(const std::string& text) : std::runtime_error(printable(text, 2000)) {}
 };
 
 struct Range {
@@ -31,7 +34,10 @@ class Section {
   double number(const std::string& key, Range allowed, double missing);
   int integer(const std::string& key, Range allowed);
   bool boolean(const std::string& key);
+  /// At most 1000 bytes, without control characters.
   std::string text(const std::string& key);
+  /// Letters, digits, _ and -, at most 64: it may become a path.
+  std::string name(const std::string& key);
   /// A list of exactly `size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.

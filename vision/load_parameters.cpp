@@ -40,7 +40,7 @@ DetectorParameters load_detector(config::Section section) {
 
 CameraParameters load_camera(config::Section section) {
   CameraParameters p{};
-  p.name = section.text("name");
+  p.name = section.name("name");
   p.p_WC = section.numbers("position_m", 3, {-5, 5});
   const Eigen::Vector3d target = section.numbers("look_at_m", 3, {-5, 5});
   if ((target - p.p_WC).head<2>().norm() < 0.01) {

@@ -12,7 +12,7 @@ ExampleScenario load_example(const std::filesystem::path& file,
                              const std::vector<std::string>& overrides) {
   config::Section root = config::Document::load(file.string(), overrides);
   ExampleScenario scenario{};
-  scenario.name = root.text("name");
+  scenario.name = root.name("name");
   scenario.description = root.text("description");
   for (config::Section& section : root.list("criteria", 0, 16)) {
     Limit limit;

@@ -1,5 +1,8 @@
 #include "config/section.hpp"
 
+#include <filesystem>
+#include <fstream>
+
 #include <catch2/catch.hpp>
 
 using c3rt::config::ConfigError;
@@ -120,5 +123,68 @@ TEST_CASE("section: text that is not YAML, and a file that is not there, are nam
   CHECK_THAT(error_of([] { (void)Document::parse("- 1", "e.yaml"); }),
              Contains("expected a mapping"));
   CHECK_THAT(error_of([] { (void)Document::load("absent.yaml"); }),
-             Equals("absent.yaml: cannot be read"));
+             Equals("absent.yaml: expected a file that can be read, got No such file or directory"));
+}
+
+TEST_CASE("section: what no scenario needs is refused before anything is built from it") {
+  const auto refused = [](const std::string& text) {
+    try {
+      Document::parse(text, "bomb.yaml");
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  CHECK_THAT(refused("a: " + std::string(100, '[') + std::string(100, ']')),
+             Catch::Contains("bomb.yaml:1: not YAML: expected at most 32 levels"));
+  CHECK_THAT(refused("a: " + std::string(100000, '[')), Catch::Contains("at most 32 levels"));
+  CHECK_THAT(refused("a: " + std::string(100000, '{')), Catch::Contains("at most 32 levels"));
+  std::string list = "a: [0";
+  for (int i = 0; i < 60000; ++i) list += ",0";
+  CHECK_THAT(refused(list + "]"), Catch::Contains("at most 50000 values"));
+  std::string laughs = "a0: &a0 [x, x]\n";  // each level twice as large as the one before
+  for (int i = 1; i < 200; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    laughs += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
+  }
+  CHECK_THAT(refused(laughs), Catch::Contains("at most 100 aliases"));
+  CHECK(refused("a: &x 1\nb: *x\n") == "taken");
+}
+
+TEST_CASE("section: a file of 100 MB is refused without reading it, a folder and an empty one too") {
+  const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/section_large.yaml";
+  std::ofstream(path) << "name: x\n";
+  std::filesystem::resize_file(path, 100'000'000);  // sparse: no bytes on the disk
+  CHECK_THROWS_WITH(Document::load(path), Catch::Contains("expected at most 262144 bytes, got more"));
+  std::ofstream(path, std::ios::trunc).flush();
+  CHECK_THROWS_WITH(Document::load(path), Catch::Contains("got an empty file"));
+  std::filesystem::remove(path);
+  CHECK_THROWS_WITH(Document::load(C3RT_BINARY_DIRECTORY), Catch::Contains("got a folder"));
+  CHECK_THROWS_WITH(Document::load(path), Catch::Contains("No such file"));
+}
+
+TEST_CASE("section: a name is letters, digits, _ and -; a text has no control characters") {
+  const auto name = [](const std::string& value) {
+    return Document::parse("name: \"" + value + "\"", "x.yaml").name("name");
+  };
+  CHECK(name("circle_slow-2") == "circle_slow-2");
+  for (const std::string bad : {"../x", "a b", "a\\n", "\\e[31m", "", "größe"})
+    CHECK_THROWS_WITH(name(bad), Catch::Contains("x.yaml:1: name: expected 1 to 64 letters, digits"));
+  CHECK_THROWS_WITH(name(std::string(300, 'x')), Catch::Contains("1 to 64"));
+  const auto text = [](const std::string& value) {
+    return Document::parse("description: \"" + value + "\"", "x.yaml").text("description");
+  };
+  CHECK(text("größer als 3 µm") == "größer als 3 µm");
+  CHECK_THROWS_WITH(text("a\\e[31mb"), Catch::Contains("without control characters, got \"a\\x1b[31mb\""));
+  CHECK_THROWS_WITH(text("a\\nb"), Catch::Contains("without control characters"));
+  CHECK_THROWS_WITH(text(std::string(2000, 'x')), Catch::Contains("at most 1000 bytes, got 2000"));
+}
+
+TEST_CASE("section: an error is one line, whatever stands in the file") {
+  try {
+    Document::parse("\"a\\e[2Jb\\n\": 1", "x.yaml").finish();
+    FAIL("taken");
+  } catch (const ConfigError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("a\\x1b[2Jb\\x0a: unknown key"));
+  }
 }
