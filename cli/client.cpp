@@ -5,14 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <set>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "cli/fields.hpp"
 #include "cli/lock.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
@@ -65,8 +62,9 @@ class Question {
       std::this_thread::sleep_for(milliseconds(200));  // others may be discovered a moment later
       return true;
     }
-    fmt::print(stderr, "c3rt: error: nobody listens to {} on domain {}; is an instance up?\n",
-               wire::topic<T>().name, seat_.domain);
+    fmt::print(stderr, "c3rt: error: nobody listens to {} on domain {}; is an instance up{}?\n",
+               wire::topic<T>().name, seat_.domain,
+               seat_.dds_profile == "loopback" ? " (of another host: --dds lan)" : "");
     return false;
   }
   /// @return an exit status
@@ -91,7 +89,7 @@ class Question {
       return kProcessFailed;
     }
     fmt::print(reply.ok ? stdout : stderr, "{}: {}\n", wire::process_name(reply.process),
-               reply.text);
+               config::printable(reply.text, sizeof reply.text));
     return reply.ok ? kDone : kCriterionFailed;
   }
 
@@ -146,112 +144,6 @@ wire::TaskTarget to_wire(const planner::Target& target) {
   return sample;
 }
 
-/// A sample as a JSON object.
-class JsonVisitor {
- public:
-  void header(const wire::Header& header) {
-    (*this)("session_id", header.session_id);
-    (*this)("seq", header.seq);
-    (*this)("time_ns", header.time_ns);
-  }
-  template <typename T>
-  void operator()(const char* name, const T& value) {
-    object_[name] = json_of(value);
-  }
-  void machine_time(const char* name, double value) { object_[name] = value; }
-  /// The first `count` elements.
-  template <typename T>
-  void list(const char* name, const T* values, int count) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (int i = 0; i < count; ++i) all.push_back(json_of(values[i]));
-    object_[name] = all;
-  }
-  template <std::size_t Columns>
-  void matrix(const char* name, const double (*value)[Columns], int rows, int columns) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (int i = 0; i < rows; ++i) {
-      nlohmann::ordered_json row = nlohmann::ordered_json::array();
-      for (int j = 0; j < columns && j < static_cast<int>(Columns); ++j) row.push_back(value[i][j]);
-      all.push_back(row);
-    }
-    object_[name] = all;
-  }
-  std::string text() const { return object_.dump(); }
-
- private:
-  template <typename T>
-  static nlohmann::ordered_json json_of(const T& value) {
-    if constexpr (std::is_array_v<T>) {
-      if constexpr (std::is_same_v<std::remove_extent_t<T>, char>) {
-        return std::string(value);
-      } else {
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const auto& element : value) list.push_back(json_of(element));
-        return list;
-      }
-    } else if constexpr (std::is_enum_v<T>) {
-      return name_of(value);
-    } else if constexpr (std::is_same_v<T, wire::RefusedSamples>) {
-      return {{"topic", value.topic},
-              {"reason", value.reason},
-              {"count", value.count},
-              {"latest", value.latest}};
-    } else {
-      return value;
-    }
-  }
-  nlohmann::ordered_json object_;
-};
-
-[[noreturn]] void unknown_topic(const std::string& name) {
-  std::string known;
-  for_each_topic([&](const auto& sample) {
-    known += (known.empty() ? "" : ", ") +
-             std::string(wire::topic<std::decay_t<decltype(sample)>>().name);
-  });
-  throw UsageError("unknown topic \"" + name + "\"; known: " + known);
-}
-
-/// Tells on stderr what is refused, once for each kind.
-class RefusalTeller {
- public:
-  void look(const wire::Bus& bus) {
-    for (const wire::RefusedCount& refused : bus.refusals()) {
-      const std::string kind =
-          fmt::format("{} ({}) from {}", refused.topic, reason_name(refused.reason), refused.from);
-      if (told_.insert(kind).second)
-        fmt::print(stderr, "c3rt: refused {}: {}\n", kind, refused.latest);
-    }
-  }
-
- private:
-  std::set<std::string> told_;
-};
-
-/// Gives every sample of T to `action` until it returns false or a stop is requested.
-template <typename T, typename Action>
-void follow(const Seat& seat, Action&& action) {
-  wire::Bus bus(bus_settings(seat));
-  wire::Reader<T> reader(bus, 1024);
-  T sample{};
-  RefusalTeller refusals;
-  bool go_on = true;
-  if (!wait_until(kDiscovery, [&] { return reader.matched_writers() > 0; })) {
-    fmt::print(stderr, "c3rt: nobody writes {} on domain {} yet; waiting\n", wire::topic<T>().name,
-               seat.domain);
-  }
-  while (go_on && !wire::StopFlag::requested()) {
-    bus.wait_for_data(100'000'000);
-    bool any = false;
-    while (go_on && reader.take(sample)) {
-      any = true;
-      go_on = action(&sample, reader);
-    }
-    if (!any) go_on = action(nullptr, reader);
-    refusals.look(bus);
-  }
-}
-
 }  // namespace
 
 wire::BusSettings bus_settings(const Seat& seat) {
@@ -288,6 +180,10 @@ Services listen(wire::Bus& bus, double seconds) {
   return services;
 }
 
+bool in_service(const wire::ServiceStatus& status) {
+  return status.state == c3rt_v1_SERVICE_RUNNING || status.state == c3rt_v1_SERVICE_DEGRADED;
+}
+
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v1_RequestVerb verb) {
   Question<wire::ServiceRequest> question(seat);
@@ -319,86 +215,6 @@ int set_target(const Seat& seat, const planner::Target& target) {
     if (!verdict.ok()) throw UsageError("target: " + verdict.sentence);
   }
   return ask(seat, to_wire(target), c3rt_v1_PROCESS_PLANNER);
-}
-
-int print_topics(const Seat& seat) {
-  wire::Bus bus(bus_settings(seat));
-  struct Row {
-    const wire::Topic* topic;
-    std::unique_ptr<wire::ReaderBase, void (*)(wire::ReaderBase*)> reader;
-  };
-  std::vector<Row> rows;
-  for_each_topic([&](const auto& sample) {
-    using T = std::decay_t<decltype(sample)>;
-    rows.push_back({&wire::topic<T>(), {new wire::Reader<T>(bus, 1), [](wire::ReaderBase* reader) {
-                                          delete static_cast<wire::Reader<T>*>(reader);
-                                        }}});
-  });
-  std::this_thread::sleep_for(milliseconds(1000));  // discovery
-  fmt::print("  {:<17} {:<8} {}\n", "topic", "writers", "type");
-  for (const Row& row : rows) {
-    fmt::print("  {:<17} {:<8} {}\n", row.topic->name, row.reader->matched_writers(),
-               row.topic->descriptor->m_typename);
-  }
-  for (const wire::PeerProblem& problem : bus.problems())
-    fmt::print("  problem: {}\n", problem.text);
-  return kDone;
-}
-
-int echo(const Seat& seat, const std::string& topic, int count) {
-  int printed = 0;
-  const bool known = with_topic(topic, [&](const auto& kind) {
-    using T = std::decay_t<decltype(kind)>;
-    follow<T>(seat, [&](const T* sample, const wire::ReaderBase&) {
-      if (sample == nullptr) return true;
-      JsonVisitor visitor;
-      visitor.header(sample->header);
-      visit_fields(*sample, visitor);
-      fmt::print("{}\n", visitor.text());
-      std::fflush(stdout);
-      return count == 0 || ++printed < count;
-    });
-  });
-  if (!known) unknown_topic(topic);
-  return kDone;
-}
-
-int measure_rate(const Seat& seat, const std::string& topic, int count) {
-  const bool known = with_topic(topic, [&](const auto& kind) {
-    using T = std::decay_t<decltype(kind)>;
-    std::vector<double> gaps;  // between the times that the samples carry [s]
-    std::int64_t last_ns = 0;
-    int reports = 0;
-    auto next = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-    follow<T>(seat, [&](const T* sample, const wire::ReaderBase& reader) {
-      if (sample != nullptr) {
-        if (last_ns != 0)
-          gaps.push_back(static_cast<double>(sample->header.time_ns - last_ns) * 1e-9);
-        last_ns = sample->header.time_ns;
-      }
-      if (std::chrono::steady_clock::now() < next) return true;
-      next += std::chrono::seconds(1);
-      if (gaps.empty()) {
-        fmt::print("no samples\n");
-      } else {
-        double sum = 0.0;
-        for (const double gap : gaps) sum += gap;
-        const double mean = sum / static_cast<double>(gaps.size());
-        double squares = 0.0;
-        for (const double gap : gaps) squares += (gap - mean) * (gap - mean);
-        fmt::print("{:8.2f} Hz  n {}  gap min {:.3f}  max {:.3f}  sd {:.3f} ms  lost {}\n",
-                   1.0 / mean, gaps.size(), *std::min_element(gaps.begin(), gaps.end()) * 1e3,
-                   *std::max_element(gaps.begin(), gaps.end()) * 1e3,
-                   std::sqrt(squares / static_cast<double>(gaps.size())) * 1e3,
-                   reader.counters().lost);
-      }
-      std::fflush(stdout);
-      gaps.clear();
-      return count == 0 || ++reports < count;
-    });
-  });
-  if (!known) unknown_topic(topic);
-  return kDone;
 }
 
 }  // namespace c3rt::cli

@@ -27,6 +27,9 @@ using Services = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCo
 /// have spoken.
 Services listen(wire::Bus& bus, double seconds);
 
+/// The process does its work, well or not so well.
+bool in_service(const wire::ServiceStatus& status);
+
 /// Sends a request to each of these processes in turn and prints their replies. @return an exit
 /// status
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
@@ -39,15 +42,5 @@ int inject(const Seat& seat, wire::FaultInject fault);
 /// Asks the planner for a new target, and for its answer. @return an exit status: 1 if it refuses
 /// @throws UsageError for what the scenario that runs cannot reach
 int set_target(const Seat& seat, const planner::Target& target);
-
-/// Every topic: its type, who writes it, whether somebody does now.
-int print_topics(const Seat& seat);
-
-/// Samples of a topic as JSON, one a line; count 0: until interrupted. @throws UsageError for an
-/// unknown topic
-int echo(const Seat& seat, const std::string& topic, int count);
-
-/// Rate, jitter and losses of a topic, once a second. @throws UsageError for an unknown topic
-int measure_rate(const Seat& seat, const std::string& topic, int count);
 
 }  // namespace c3rt::cli

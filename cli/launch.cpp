@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "idl/process.hpp"
 
@@ -61,28 +62,52 @@ Launch::Launch(const LaunchSettings& settings)
       throw UsageError("there is no program " + program.string());
   }
   make_folder(out_ / "logs");
+  require_room(out_ / "logs");
+}
+
+void Launch::require_free_bus() const {
+  wire::BusSettings look = bus_;
+  look.clock = wire::ClockMode::kRealtime;
+  look.session_id = 0;
+  const wire::Bus bus(look);
+  // a domain that was drawn is silent already
+  const std::vector<Neighbour> others =
+      settings_.any_domain ? std::vector<Neighbour>() : neighbours(bus, kLookForNeighbours);
+  if (others.empty()) return;
+  throw UsageError(fmt::format(
+      "DDS domain {} is busy: {} of an instance that is not yours, or was started by hand; choose "
+      "another --domain",
+      bus_.domain, text(others)));
+}
+
+ChildSpec Launch::spec_of(const std::string& name, bool recorded) const {
+  ChildSpec spec;
+  spec.name = name;
+  spec.log = out_ / "logs" / (spec.name + ".log");
+  spec.arguments = {(process_directory() / ("c3rt-" + spec.name)).string(),
+                    file_.string(),
+                    "--clock=" + std::string(settings_.clock_name()),
+                    "--seed=" + std::to_string(settings_.seed),
+                    "--session=" + std::to_string(bus_.session_id),
+                    "--domain=" + std::to_string(bus_.domain),
+                    "--dds-profile=" + bus_.profile_uri};
+  for (const std::string& assignment : settings_.overrides)
+    spec.arguments.push_back("--set=" + assignment);
+  if (spec.name == "plant" && settings_.lockstep) {
+    spec.arguments.push_back(std::string("--expect=impedance,planner,vision") +
+                             (recorded ? ",recorder" : ""));
+  }
+  return spec;
 }
 
 void Launch::start(Supervisor& supervisor, bool recorded) const {
-  for (const char* name : kProcesses) {
-    ChildSpec spec;
-    spec.name = name;
-    spec.log = out_ / "logs" / (spec.name + ".log");
-    spec.arguments = {(process_directory() / ("c3rt-" + spec.name)).string(),
-                      file_.string(),
-                      "--clock=" + std::string(settings_.clock_name()),
-                      "--seed=" + std::to_string(settings_.seed),
-                      "--session=" + std::to_string(bus_.session_id),
-                      "--domain=" + std::to_string(bus_.domain),
-                      "--dds-profile=" + bus_.profile_uri};
-    for (const std::string& assignment : settings_.overrides)
-      spec.arguments.push_back("--set=" + assignment);
-    if (spec.name == "plant" && settings_.lockstep) {
-      spec.arguments.push_back(std::string("--expect=impedance,planner,vision") +
-                               (recorded ? ",recorder" : ""));
-    }
-    supervisor.start(spec);
-  }
+  for (const char* name : kProcesses) supervisor.start(spec_of(name, recorded));
+}
+
+void Launch::restart(Supervisor& supervisor, const std::string& name) const {
+  ChildSpec spec = spec_of(name, false);
+  spec.again = true;
+  supervisor.start(spec);
 }
 
 std::string failure_text(const ChildExit& end) {

@@ -42,16 +42,25 @@ class Launch {
   /// @throws UsageError, config::ConfigError
   explicit Launch(const LaunchSettings& settings);
 
+  /// Looks on the bus whether somebody else's processes are there, which no lock of ours tells.
+  /// @throws UsageError that names them, wire::ProfileError for a profile that is refused
+  void require_free_bus() const;
+
   /// Starts the four processes, each with its log in out()/logs.
   /// @param recorded lockstep: the plant waits for the recorder, too
   void start(Supervisor& supervisor, bool recorded) const;
+  /// Starts one of them anew, in the same session.
+  void restart(Supervisor& supervisor, const std::string& name) const;
 
+  bool lockstep() const { return settings_.lockstep; }
   const config::Scenario& scenario() const { return scenario_; }
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
   DomainLock& lock() { return *lock_; }
 
  private:
+  ChildSpec spec_of(const std::string& name, bool recorded) const;
+
   LaunchSettings settings_;
   std::filesystem::path file_;
   config::Scenario scenario_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -27,6 +28,7 @@ struct Instance {
   std::string out;      // its folder
   std::string started;  // local time
   std::string ended;    // how the last one ended; empty while it runs
+  std::vector<std::string> notes;  // what a person should know: restarts, a full disk
 };
 
 /// Somebody else holds the domain.
@@ -47,6 +49,9 @@ class DomainLock {
 
   /// Leaves a word for `c3rt status` after this instance.
   void set_ended(const std::string& how);
+
+  /// What `c3rt status` tells of it while it runs.
+  void set_notes(const std::vector<std::string>& notes);
 
  private:
   void write() const;

@@ -1,9 +1,12 @@
 #pragma once
 // What a run leaves for later: one CSV file per topic, and a hash that tells two runs apart.
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -92,8 +95,8 @@ class CsvVisitor {
   bool first_ = true;
 };
 
-/// The log of one topic: DIRECTORY/robot_state.csv for robot/state. Values with nine digits, time
-/// in ns.
+/// The log of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until it is
+/// whole. Values with nine digits, time in ns.
 template <typename T>
 class TopicLog {
  public:
@@ -103,19 +106,26 @@ class TopicLog {
     if (directory.empty()) return;
     std::string name = wire::topic<T>().name;
     for (char& c : name) c = c == '/' ? '_' : c;
-    const std::filesystem::path path = directory / (name + ".csv");
-    file_.reset(std::fopen(path.c_str(), "w"));
-    if (!file_) throw std::runtime_error("cannot write " + path.string());
+    path_ = directory / (name + ".csv");
+    file_.reset(std::fopen(part().c_str(), "we"));
+    if (!file_) fail();
     write(T{}, true);
   }
+  /// @throws std::runtime_error where the disk has no room for it
   void add(const T& sample) {
     hash_.header(sample.header);
     visit_fields(sample, hash_);
     if (file_) write(sample, false);
   }
   std::uint64_t hash() const { return hash_.value(); }
-  void flush() {
-    if (file_) std::fflush(file_.get());
+  /// The file is whole. @throws std::runtime_error where the disk has no room for it
+  void finish() {
+    if (!file_) return;
+    errno = 0;
+    if (std::fclose(file_.release()) != 0) fail();
+    std::error_code error;
+    std::filesystem::rename(part(), path_, error);
+    if (error) throw std::runtime_error("cannot write " + path_.string() + ": " + error.message());
   }
 
  private:
@@ -128,8 +138,15 @@ class TopicLog {
     visitor.header(sample.header);
     visit_fields(sample, visitor);
     row_.push_back('\n');
-    std::fwrite(row_.data(), 1, row_.size(), file_.get());
+    errno = 0;
+    if (std::fwrite(row_.data(), 1, row_.size(), file_.get()) != row_.size()) fail();
   }
+  std::filesystem::path part() const { return path_.string() + ".part"; }
+  [[noreturn]] void fail() const {
+    throw std::runtime_error("cannot write " + path_.string() + ": " +
+                             (errno != 0 ? std::strerror(errno) : "something was lost"));
+  }
+  std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
   fmt::memory_buffer row_;
   HashVisitor hash_;

@@ -20,6 +20,7 @@
 #include "cli/client.hpp"
 #include "cli/examples.hpp"
 #include "cli/launch_options.hpp"
+#include "cli/look.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
@@ -234,18 +235,25 @@ class CommandLine {
   }
 
   void add_tools() {
-    add_seat(*command(app_, "topics", "Every topic, and how many write it now",
-                      [this] { return cli::print_topics(seat_); }),
-             seat_);
+    CLI::App* topics =
+        command(app_, "topics", "Every topic: readers, writers, rate, type, QoS; and problems",
+                [this] { return cli::print_topics(seat_, peers_); });
+    add_seat(*topics, seat_);
+    topics->add_flag("--peers", peers_, "Also every reader and writer, with its process and QoS");
     CLI::App* echo = command(app_, "echo", "Samples of a topic as JSON, one a line",
-                             [this] { return cli::echo(seat_, topic_, count_); });
-    CLI::App* hz = command(app_, "hz", "Rate, jitter and losses of a topic",
-                           [this] { return cli::measure_rate(seat_, topic_, count_); });
+                             [this] { return cli::echo(seat_, look_); });
+    CLI::App* hz = command(app_, "hz", "Rate, jitter and losses of a topic, by key and writer",
+                           [this] { return cli::measure_rate(seat_, look_); });
     for (CLI::App* tool : {echo, hz}) {
       add_seat(*tool, seat_);
-      tool->add_option("topic", topic_, "Name of a topic: c3rt topics lists them")->required();
-      tool->add_option("--count,-n", count_, "Lines to print; 0: until interrupted")
+      tool->add_option("topic", look_.topic, "Name of a topic: c3rt topics lists them")->required();
+      tool->add_option("--count,-n", look_.count,
+                       "Samples (hz: seconds) to print; 0: until interrupted")
           ->check(cli::whole(0, kMostLines));
+      tool->add_option("--timeout", look_.timeout_s,
+                       "Ends with status 1 after so long without a sample [s]; 0: waits on")
+          ->check(cli::number(0.0, kLongest))
+          ->capture_default_str();
     }
   }
 
@@ -309,8 +317,8 @@ class CommandLine {
   cli::campaign::Settings campaign_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
-  std::string topic_;
-  int count_ = 0;
+  cli::LookSettings look_;
+  bool peers_ = false;
   std::string process_;
   int index_ = 0;
   double fault_duration_s_ = 1.0;
@@ -355,6 +363,9 @@ int main(int argc, char** argv) {
     say(error);
     return cli::kProcessFailed;
   } catch (const cli::UsageError& error) {
+    say(error);
+    return cli::kUsage;
+  } catch (const wire::ProfileError& error) {
     say(error);
     return cli::kUsage;
   } catch (const config::ConfigError& error) {

@@ -13,11 +13,15 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 namespace c3rt::cli {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::size_t kRoom = 256 * 1024;  // at the start [bytes]
+constexpr std::size_t kLeast = 16 * 1024;  // below this a log loses lines [bytes]
 
 std::vector<std::string> names_in(const fs::path& directory, const std::string& extension) {
   std::vector<std::string> names;
@@ -117,6 +121,27 @@ fs::path make_folder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) throw UsageError("cannot make " + folder.string() + ": " + error.message());
   return fs::absolute(folder);
+}
+
+void require_room(const fs::path& folder) {
+  // a quota or a reserve shows only when something is written
+  const fs::path probe = folder / (".c3rt-" + std::to_string(getpid()) + ".room");
+  std::string reason;
+  try {
+    write_text(probe, std::string(kRoom, ' '));
+  } catch (const std::runtime_error& error) {
+    reason = error.what();
+    reason = reason.substr(reason.rfind(": ") + 2);
+  }
+  std::error_code error;
+  fs::remove(probe, error);
+  if (!reason.empty())
+    throw std::runtime_error("no room for logs and results in " + folder.string() + ": " + reason);
+}
+
+bool is_full(const fs::path& folder) {
+  struct statvfs room {};
+  return statvfs(folder.c_str(), &room) == 0 && room.f_bavail * room.f_frsize < kLeast;
 }
 
 std::string read_text(const fs::path& file) {

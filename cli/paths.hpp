@@ -44,6 +44,12 @@ std::filesystem::path new_folder(const std::string& name);
 /// Makes the folder and those above it. @return its absolute path. @throws UsageError
 std::filesystem::path make_folder(const std::filesystem::path& folder);
 
+/// The folder takes this much now. @throws std::runtime_error saying why not
+void require_room(const std::filesystem::path& folder);
+
+/// Nothing more can be written there.
+bool is_full(const std::filesystem::path& folder);
+
 /// A file's bytes, "" if there is none.
 std::string read_text(const std::filesystem::path& file);
 

@@ -81,6 +81,15 @@ struct Recorder::Topics {
         detection_log(directory),
         course(task) {}
 
+  void finish() {
+    scene_log.finish();
+    state_log.finish();
+    command_log.finish();
+    plan_log.finish();
+    estimate_log.finish();
+    detection_log.finish();
+  }
+
   std::uint64_t hash() const {
     HashVisitor all;
     for (const std::uint64_t part : {scene_log.hash(), state_log.hash(), command_log.hash(),
@@ -167,6 +176,7 @@ void Recorder::record() {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
+  topics.finish();
   log_hash_ = fmt::format("fnv1a64:{:016x}", topics.hash());
   if (topics.wall_last > topics.wall_first) {
     real_time_factor_ = static_cast<double>(topics.seq_last - topics.seq_first) * kStep /

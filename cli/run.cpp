@@ -107,6 +107,7 @@ int run(const LaunchSettings& settings) {
   const int course_goal = std::holds_alternative<planner::LineTask>(task)
                               ? static_cast<int>(scenario.plant.world.balls.size())
                               : scenario.task.loops;
+  launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
                     {task, scenario.task.loops, scenario.task.duration_s});
@@ -145,7 +146,13 @@ int run(const LaunchSettings& settings) {
     report.result = met ? "passed" : "criteria not met";
   }
   launch.lock().set_ended(report.result);
-  write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
+  try {
+    write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
+  } catch (const std::exception& error) {
+    // what ended the run comes first
+    throw ProcessFailure(ending.details.empty() ? error.what()
+                                                : ending.details + "\n" + error.what());
+  }
   std::string missing;
   if (settings.pictures) {
     missing = draw_pictures(launch.out(), recorder.series(), task, report.figures,

@@ -12,7 +12,9 @@
 #include <unistd.h>
 
 #include "cli/fields.hpp"
+#include "cli/keeper.hpp"
 #include "cli/lock.hpp"
+#include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "cli/table.hpp"
@@ -45,13 +47,23 @@ pid_t detach(const std::vector<std::string>& words, const std::filesystem::path&
   _exit(127);
 }
 
-bool in_service(const std::optional<wire::ServiceStatus>& status) {
-  return status &&
-         (status->state == c3rt_v1_SERVICE_RUNNING || status->state == c3rt_v1_SERVICE_DEGRADED);
+/// Where else an instance could be.
+std::string hint(const Seat& seat) {
+  return seat.dds_profile == "loopback" ? " (seen from this host; of another one: --dds lan)" : "";
+}
+
+/// Whose the instance is that our locks do not know.
+std::string not_yours(const Seat& seat, const std::vector<Neighbour>& others) {
+  return fmt::format("domain {}: an instance that is not yours, or was started by hand: {}",
+                     seat.domain, text(others));
+}
+
+bool is_up(const std::optional<wire::ServiceStatus>& status) {
+  return status && in_service(*status);
 }
 
 int count_in_service(const Services& services) {
-  return static_cast<int>(std::count_if(services.begin(), services.end(), in_service));
+  return static_cast<int>(std::count_if(services.begin(), services.end(), is_up));
 }
 
 }  // namespace
@@ -87,7 +99,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
     }
     missing.clear();
     for (int i = 0; i < wire::kProcessCount; ++i) {
-      if (i == c3rt_v1_PROCESS_RECORDER || in_service(services[static_cast<std::size_t>(i)]))
+      if (i == c3rt_v1_PROCESS_RECORDER || is_up(services[static_cast<std::size_t>(i)]))
         continue;
       missing += (missing.empty() ? "" : ", ") +
                  std::string(wire::process_name(static_cast<wire::Process>(i)));
@@ -102,13 +114,15 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
 
 int serve(const LaunchSettings& settings) {
   Launch launch(settings);
+  launch.require_free_bus();
   Supervisor supervisor;
   launch.start(supervisor, false);
   fmt::print("{} runs on domain {}\n", launch.scenario().name, settings.domain);
   std::fflush(stdout);
   std::optional<ChildExit> end;
-  while (!wire::StopFlag::requested() && !(end = supervisor.poll()))
-    std::this_thread::sleep_for(milliseconds(50));
+  Keeper keeper(launch, supervisor);
+  while (!wire::StopFlag::requested() && !(end = keeper.step()))
+    std::this_thread::sleep_for(milliseconds(20));
   for (const std::string& name : supervisor.stop()) {
     fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
   }
@@ -123,8 +137,15 @@ int serve(const LaunchSettings& settings) {
 int down(const Seat& seat) {
   const auto instance = holder(runtime_directory(), seat.domain);
   if (!instance) {
-    fmt::print("nothing runs on domain {}\n", seat.domain);
-    return kDone;
+    const wire::Bus bus(bus_settings(seat));
+    const std::vector<Neighbour> others = neighbours(bus, kLookForNeighbours);
+    if (others.empty()) {
+      fmt::print("nothing runs on domain {}{}\n", seat.domain, hint(seat));
+      return kDone;
+    }
+    fmt::print(stderr, "c3rt: error: {}; it can be ended only where it was started\n",
+               not_yours(seat, others));
+    return kCriterionFailed;
   }
   if (kill(instance->pid, SIGTERM) != 0) {
     throw ProcessFailure(fmt::format("cannot signal pid {} ({} {})", instance->pid, instance->verb,
@@ -152,8 +173,11 @@ int status(const Seat& seat) {
     fmt::print("domain {}: c3rt {} {} ({}, pid {}, since {}), results in {}\n", seat.domain,
                instance->verb, instance->scenario, instance->clock, instance->pid,
                instance->started, instance->out);
-  } else if (!any) {
-    fmt::print("domain {}: nothing runs", seat.domain);
+    for (const std::string& note : instance->notes) fmt::print("  {}\n", note);
+  } else if (any) {
+    fmt::print("{}\n", not_yours(seat, neighbours(bus, kLookForNeighbours)));
+  } else {
+    fmt::print("domain {}: nothing runs{}", seat.domain, hint(seat));
     const auto last = last_instance(runtime_directory(), seat.domain);
     if (last && !last->ended.empty())
       fmt::print("; the last, c3rt {} {}: {}", last->verb, last->scenario, last->ended);

@@ -13,6 +13,7 @@ struct ChildSpec {
   std::string name;                    // "planner"
   std::vector<std::string> arguments;  // of exec, the program's path first
   std::filesystem::path log;           // its standard output and error
+  bool again = false;                  // started anew: behind what the log has
 };
 
 /// How a child ended that nobody had asked to end.

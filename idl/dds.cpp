@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include <dds/dds.h>
+#include <dds/ddsrt/log.h>
 #include <pthread.h>
 #include <sched.h>
 
@@ -30,6 +31,27 @@ Entity created(dds_entity_t handle, const std::string& what) {
   return Entity(handle);
 }
 
+constexpr std::uintmax_t kLargestProfile = 1 << 20;  // bytes
+
+/// What Cyclone has to say while it reads a configuration, kept instead of printed.
+class Complaints {
+ public:
+  Complaints() { dds_set_log_sink(&keep, &texts_); }
+  ~Complaints() { dds_set_log_sink(nullptr, nullptr); }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+
+  std::string first() const { return texts_.empty() ? "" : texts_.front(); }
+
+ private:
+  static void keep(void* texts, const dds_log_data_t* data) {
+    std::string text(data->message, data->size);
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    static_cast<std::vector<std::string>*>(texts)->push_back(text);
+  }
+  std::vector<std::string> texts_;
+};
+
 /// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on
 /// it.
 class Domain {
@@ -41,14 +63,26 @@ class Domain {
     if (shared.users == 0) {
       std::error_code error;
       const auto path = std::filesystem::canonical(profile, error);
-      if (error) throw WireError("DDS profile " + profile + ": " + error.message());
+      if (error) throw ProfileError("DDS profile " + profile + ": " + error.message());
+      const auto size = std::filesystem::file_size(path, error);
+      if (error || size == 0 || size > kLargestProfile) {
+        throw ProfileError("DDS profile " + profile + ": expected a file of 1 to " +
+                           std::to_string(kLargestProfile) + " bytes, got " +
+                           (error ? error.message() : std::to_string(size)));
+      }
+      const Complaints complaints;
       shared.handle = dds_create_domain(id_, ("file://" + path.string()).c_str());
       // somebody else in this process may already use the domain, with a configuration of its own
       if (shared.handle < 0 && shared.handle != DDS_RETCODE_PRECONDITION_NOT_MET) {
-        const std::string reason = dds_strretcode(shared.handle);
+        std::string reason = complaints.first();
+        if (reason.empty()) reason = dds_strretcode(shared.handle);
         domains().erase(id_);
-        throw WireError("DDS profile " + profile + " was refused for domain " +
-                        std::to_string(id_) + ": " + reason);
+        if (reason.find("participant index") != std::string::npos) {
+          reason = "as many programs use the domain as the profile allows (MaxAutoParticipantIndex "
+                   "plus one; 120 with the profile loopback): end some, or use another domain";
+        }
+        throw ProfileError("DDS profile " + profile + ", domain " + std::to_string(id_) + ": " +
+                           reason);
       }
     }
     ++shared.users;
@@ -352,7 +386,9 @@ struct ReaderBase::Implementation {
     int slot;
     int source;
     std::uint64_t session, seq;
+    dds_instance_handle_t writer;
   };
+  dds_instance_handle_t taken_from = 0;
   static constexpr int kSources = 32;
 
   Source& source_of(dds_instance_handle_t writer, std::uint64_t session) noexcept {
@@ -608,6 +644,7 @@ int ReaderBase::pump() noexcept {
     entry.source = static_cast<int>(&source - self.sources.data());
     entry.session = header.session_id;
     entry.seq = header.seq;
+    entry.writer = info.publication_handle;
     ++self.count;
     ++fresh;
     ++accepted;
@@ -660,8 +697,14 @@ int ReaderBase::front() noexcept {
 
 void ReaderBase::pop() noexcept {
   Implementation& self = *implementation_;
+  self.taken_from = self.entry(0).writer;
   self.head = (self.head + 1) % self.capacity;
   --self.count;
+}
+
+std::uint64_t ReaderBase::taken_from() const noexcept { return implementation_->taken_from; }
+std::string ReaderBase::name_of_writer(std::uint64_t writer) const {
+  return bus_.implementation_->peers.name_of_writer(implementation_->reader.handle(), writer);
 }
 
 }  // namespace c3rt::wire

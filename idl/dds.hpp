@@ -23,6 +23,12 @@ class WireError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The DDS profile is wrong, or has no room for another participant: a mistake in the configuration.
+class ProfileError : public WireError {
+ public:
+  using WireError::WireError;
+};
+
 enum class ClockMode { kRealtime, kLockstep };
 
 struct BusSettings {
@@ -78,7 +84,8 @@ class WriterBase;
 /// writers.
 class Bus {
  public:
-  /// @throws WireError if the profile is missing or refused, or the domain cannot be joined
+  /// @throws ProfileError if the profile is missing or refused, WireError if the domain cannot be
+  /// joined
   explicit Bus(const BusSettings& settings);
   ~Bus();
   Bus(const Bus&) = delete;
@@ -182,6 +189,8 @@ class ReaderBase {
 
   ReaderCounters counters() const noexcept;  // from any thread
   std::uint64_t newest_seq() const noexcept { return newest_seq_; }
+  std::uint64_t taken_from() const noexcept;  // writer of the sample that was taken last; 0: none
+  std::string name_of_writer(std::uint64_t writer) const;  // "c3rt-plant (pid 12)"
   int matched_writers() const;  // known, also when they have just died
   int alive_writers() const;    // matched and not silent for longer than their liveliness lease
   std::uint64_t missed_deadlines()

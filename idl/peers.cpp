@@ -1,18 +1,19 @@
 #include "idl/peers.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstdlib>
 #include <cstring>
 
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/discovery.hpp"
 
 namespace c3rt::wire {
 
 namespace {
 
-constexpr int kMaxPeers = 256;
+constexpr int kMaxPeers = 4096;  // endpoints of 120 participants
 constexpr std::int64_t kMatchingTime_ns = 2'000'000'000;
 
 Entity builtin_reader(std::int32_t participant, dds_entity_t topic) {
@@ -35,8 +36,9 @@ class Loan {
   template <typename F>
   void each(F visit) const {
     for (int i = 0; i < count_; ++i) {
-      if (info_[i].valid_data && info_[i].instance_state == DDS_IST_ALIVE) {
-        visit(*static_cast<const T*>(samples_[i]), info_[i].instance_handle);
+      const auto at = static_cast<std::size_t>(i);
+      if (info_[at].valid_data && info_[at].instance_state == DDS_IST_ALIVE) {
+        visit(*static_cast<const T*>(samples_[at]), info_[at].instance_handle);
       }
     }
   }
@@ -44,8 +46,8 @@ class Loan {
  private:
   std::int32_t reader_;
   int count_ = 0;
-  std::array<void*, kMaxPeers> samples_{};
-  std::array<dds_sample_info_t, kMaxPeers> info_{};
+  std::vector<void*> samples_ = std::vector<void*>(kMaxPeers);
+  std::vector<dds_sample_info_t> info_ = std::vector<dds_sample_info_t>(kMaxPeers);
 };
 
 std::string property(const dds_qos_t* qos, const char* key) {
@@ -54,12 +56,6 @@ std::string property(const dds_qos_t* qos, const char* key) {
   std::string result(value);
   dds_free(value);
   return result;
-}
-
-std::string own_host() {
-  char name[256] = "";
-  gethostname(name, sizeof name - 1);
-  return name;
 }
 
 std::vector<dds_instance_handle_t> matched(const Endpoint& endpoint) {
@@ -74,6 +70,46 @@ std::vector<dds_instance_handle_t> matched(const Endpoint& endpoint) {
 }
 
 }  // namespace
+
+std::string host_name() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+std::vector<PeerEndpoint> peer_endpoints(const Bus& bus) {
+  struct Name {
+    std::string process, host;
+    int pid = 0;
+  };
+  const Entity publications = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
+               subscriptions = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION),
+               participants = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);
+  dds_guid_t own{};
+  dds_get_guid(bus.participant(), &own);
+  std::map<std::string, Name> names;  // by the participant's key
+  const auto key = [](const dds_guid_t& guid) {
+    return std::string(reinterpret_cast<const char*>(guid.v), sizeof guid.v);
+  };
+  Loan<dds_builtintopic_participant_t>(participants.handle())
+      .each([&](const auto& peer, dds_instance_handle_t) {
+        names[key(peer.key)] = {property(peer.qos, "__ProcessName"),
+                                property(peer.qos, "__Hostname"),
+                                std::atoi(property(peer.qos, "__Pid").c_str())};
+      });
+  std::vector<PeerEndpoint> result;
+  const auto add = [&](const dds_builtintopic_endpoint_t& peer, bool is_writer) {
+    if (std::memcmp(peer.participant_key.v, own.v, sizeof own.v) == 0) return;
+    const Name& name = names[key(peer.participant_key)];
+    result.push_back({peer.topic_name, peer.type_name, is_writer, name.process, name.host, name.pid,
+                      describe(peer.qos)});
+  };
+  Loan<dds_builtintopic_endpoint_t>(publications.handle())
+      .each([&](const auto& peer, dds_instance_handle_t) { add(peer, true); });
+  Loan<dds_builtintopic_endpoint_t>(subscriptions.handle())
+      .each([&](const auto& peer, dds_instance_handle_t) { add(peer, false); });
+  return result;
+}
 
 Peers::Peers(std::int32_t participant)
     : participant_(participant),
@@ -92,7 +128,7 @@ std::string Peers::name_of(const dds_guid_t& participant) const {
         const std::string host = property(peer.qos, "__Hostname");
         name = process;
         if (!pid.empty())
-          name += " (pid " + pid + (host.empty() || host == own_host() ? "" : " on " + host) + ")";
+          name += " (pid " + pid + (host.empty() || host == host_name() ? "" : " on " + host) + ")";
       });
   return name;
 }

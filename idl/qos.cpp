@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "idl/discovery.hpp"
 #include "idl/one_writer.hpp"
 
 namespace c3rt::wire {
@@ -178,6 +179,44 @@ std::string partitions(const dds_qos_t* qos) {
   std::string text;
   for (const std::string& name : addressees(qos)) text += (text.empty() ? "" : ", ") + name;
   return text.empty() ? "no partition" : "the partition " + text;
+}
+
+std::string describe(const dds_qos_t* qos) {
+  std::string text;
+  const auto say = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  const auto milliseconds = [](dds_duration_t value) {
+    return std::to_string(value / DDS_MSECS(1)) + " ms";
+  };
+  dds_duration_t unused = 0;
+  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
+  if (dds_qget_reliability(qos, &reliability, &unused))
+    say(reliability == DDS_RELIABILITY_RELIABLE ? "reliable" : "best effort");
+  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+  dds_qget_durability(qos, &durability);
+  say(durability == DDS_DURABILITY_VOLATILE          ? "volatile"
+      : durability == DDS_DURABILITY_TRANSIENT_LOCAL ? "transient local"
+                                                     : name(durability));
+  dds_history_kind_t history = DDS_HISTORY_KEEP_LAST;
+  std::int32_t depth = 0;
+  if (dds_qget_history(qos, &history, &depth))
+    say(history == DDS_HISTORY_KEEP_ALL ? "keep all" : "keep last " + std::to_string(depth));
+  dds_duration_t deadline = DDS_INFINITY, lease = DDS_INFINITY;
+  if (dds_qget_deadline(qos, &deadline) && deadline != DDS_INFINITY)
+    say("deadline " + milliseconds(deadline));
+  dds_liveliness_kind_t kind = DDS_LIVELINESS_AUTOMATIC;
+  if (dds_qget_liveliness(qos, &kind, &lease) && lease != DDS_INFINITY)
+    say("liveliness lease " + milliseconds(lease));
+  std::int32_t strength = 0;
+  if (dds_qget_ownership_strength(qos, &strength) && strength != 0)
+    say("strength " + std::to_string(strength));
+  return text;
+}
+
+std::string offered_qos(const Topic& topic) {
+  return describe(writer_qos(topic, ClockMode::kRealtime, {}).get());
+}
+std::string requested_qos(const Topic& topic) {
+  return describe(reader_qos(topic, ClockMode::kRealtime, 1, {}).get());
 }
 
 bool same_addressee(const dds_qos_t* one, const dds_qos_t* other) {

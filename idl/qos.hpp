@@ -38,4 +38,7 @@ std::string partitions(const dds_qos_t* qos);
 /// False where the samples of one are addressed to other processes than the other's.
 bool same_addressee(const dds_qos_t* one, const dds_qos_t* other);
 
+/// "reliable, transient local, keep last 16, liveliness lease 1000 ms"
+std::string describe(const dds_qos_t* qos);
+
 }  // namespace c3rt::wire

@@ -12,6 +12,7 @@
 
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
+#include "cli/program.hpp"
 #include "cli/supervisor.hpp"
 
 namespace c3rt::cli::campaign {
@@ -21,6 +22,7 @@ namespace {
 using nlohmann::json;
 
 constexpr auto kLook = std::chrono::milliseconds(200);
+constexpr double kAnswer = 60.0;  // of a helper program, on a cold disk [s]
 constexpr double kGrace = 30.0;  // the runs on the workers end first [s]
 constexpr const char* kPrograms[] = {"c3rt", "c3rt-plant", "c3rt-impedance", "c3rt-planner",
                                      "c3rt-vision"};
@@ -40,8 +42,7 @@ std::string python() {
   std::vector<std::string> candidates{"python3", "/usr/bin/python3"};
   if (chosen != nullptr) candidates = {chosen};
   for (const std::string& candidate : candidates) {
-    const std::string test = "'" + candidate + "' -c 'import distributed' >/dev/null 2>&1";
-    if (std::system(test.c_str()) == 0) return candidate;
+    if (run_program({candidate, "-c", "import distributed"}, "", kAnswer).ok()) return candidate;
   }
   std::string names;
   for (const std::string& candidate : candidates) names += (names.empty() ? "" : ", ") + candidate;
@@ -64,13 +65,10 @@ std::string found(const std::string& program) {
 }
 
 std::string sha256(const fs::path& file) {
-  const std::string command = "sha256sum '" + file.string() + "'";
-  FILE* pipe = popen(command.c_str(), "r");
-  char text[65] = "";
-  const std::size_t count = pipe != nullptr ? std::fread(text, 1, 64, pipe) : 0;
-  if (pipe == nullptr || pclose(pipe) != 0 || count != 64)
-    throw UsageError("--engine dask: cannot hash " + file.string());
-  return text;
+  const ProgramEnd end = run_program({"sha256sum", file.string()}, "", kAnswer);
+  if (!end.ok() || end.output.size() < 64)
+    throw UsageError("--engine dask: cannot hash " + file.string() + ": sha256sum " + end.reason);
+  return end.output.substr(0, 64);
 }
 
 json order(const std::vector<Job>& jobs, const std::string& address, int at_once) {

@@ -86,7 +86,8 @@ def keep(folder, result):
     folder = pathlib.Path(folder)
     (folder / "run.log").write_text(result["log"])
     if result["report"] is not None:
-        (folder / "report.json").write_text(result["report"])
+        (folder / "report.json.part").write_text(result["report"])
+        (folder / "report.json.part").replace(folder / "report.json")
     end = {name: result[name] for name in ("status", "wall_s", "failure")}
     (folder / "end.json.part").write_text(json.dumps(end))
     (folder / "end.json.part").replace(folder / "end.json")

@@ -1,10 +1,12 @@
 #include "cli/example/pictures.hpp"
 
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "cli/paths.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -162,7 +164,7 @@ std::vector<Panel> pivoting(const Drawing& d) {
 
 void write_trajectory(const std::filesystem::path& file, const Experiment& experiment,
                       const Trajectory& trajectory) {
-  std::ofstream stream(file);
+  std::ostringstream stream;
   stream << "t_s";
   const Names columns = names(experiment);
   for (const auto* group : {&columns.x, &columns.u, &columns.lambda}) {
@@ -181,7 +183,7 @@ void write_trajectory(const std::filesystem::path& file, const Experiment& exper
     cells(trajectory.lambda, i);
     stream << fmt::format(",{:.9g}\n", trajectory.cost[i]);
   }
-  if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
+  write_text(file, stream.str());
 }
 
 std::vector<Panel> trajectory_panels(const Experiment& experiment, const Trajectory& trajectory) {

@@ -101,7 +101,7 @@ std::string draw_panels(const std::filesystem::path& file, const std::string& ti
                         const std::vector<Panel>& panels) {
   const int count = static_cast<int>(panels.size());
   const int margin = key_width(panels) + 6;
-  std::string script = gnuplot::terminal(file, kPlotWidth + margin * kLetterWidth,
+  std::string script = gnuplot::terminal(kPlotWidth + margin * kLetterWidth,
                                          kTitleHeight + count * kPanelHeight);
   script += fmt::format(
       "set key at graph 1.02, graph 1 left top vertical Left reverse samplen 2 noenhanced\n"
@@ -111,7 +111,7 @@ std::string draw_panels(const std::filesystem::path& file, const std::string& ti
       fmt::format("set multiplot layout {},1 title {} noenhanced\n", count, gnuplot::quoted(title));
   for (int i = 0; i < count; ++i) script += panel_script(panels[static_cast<std::size_t>(i)], i);
   script += "unset multiplot\n";
-  return gnuplot::missing(gnuplot::draw(script) ? "" : file.filename().string());
+  return gnuplot::missing(file.filename().string(), gnuplot::draw(file, script));
 }
 
 }  // namespace c3rt::cli

@@ -72,7 +72,7 @@ std::string draw_paths(const std::filesystem::path& file, const std::string& tit
     reach = std::max(reach, 0.5 * box_of(plot).sizes().maxCoeff() + 1.5 * kBand);
   const int count = static_cast<int>(plots.size());
   std::string script =
-      gnuplot::terminal(file, count * kSize, kSize + 2 * kTitle) +
+      gnuplot::terminal(count * kSize, kSize + 2 * kTitle) +
       fmt::format("set multiplot layout 1,{} title {} noenhanced\n", count,
                   gnuplot::quoted(title)) +
       "set size ratio -1\nset xlabel 'x [m]'\nset ylabel 'y [m]'\nset key below horizontal\n"
@@ -87,7 +87,7 @@ std::string draw_paths(const std::filesystem::path& file, const std::string& tit
     script += "plot " + wanted_plot() + ", $ball with lines lw 1.3 lc rgb 'black' title 'ball'\n";
   }
   script += "unset multiplot\n";
-  return gnuplot::missing(gnuplot::draw(script) ? "" : file.filename().string());
+  return gnuplot::missing(file.filename().string(), gnuplot::draw(file, script));
 }
 
 }  // namespace c3rt::cli

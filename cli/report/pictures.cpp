@@ -64,13 +64,13 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
   return rows.empty() ? "NaN NaN\n" : rows;
 }
 
-std::string path_script(const std::filesystem::path& file, const Series& series,
+std::string path_script(const Series& series,
                         const planner::Task& task, const Figures& figures,
                         const std::string& title) {
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
   const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
   Eigen::AlignedBox2d box;
-  std::string script = terminal(file, 720, 760), start, plots;
+  std::string script = terminal(720, 760), start, plots;
   for (std::size_t ball = 0; ball < balls; ++ball) {
     script +=
         fmt::format("$ball{} << EOD\n", ball) + track(series, from, ball, box, start) + "EOD\n";
@@ -101,10 +101,10 @@ std::string path_script(const std::filesystem::path& file, const Series& series,
   return script;
 }
 
-std::string error_script(const std::filesystem::path& file, const Series& series,
+std::string error_script(const Series& series,
                          const planner::Task& task, const Figures& figures,
                          const std::string& title) {
-  std::string script = terminal(file, 900, 420), plots;
+  std::string script = terminal(900, 420), plots;
   bool any = false;
   for (std::size_t ball = 0; ball < figures.balls.size(); ++ball) {
     const PathErrors errors = path_errors(series, task, static_cast<int>(ball));
@@ -122,13 +122,13 @@ std::string error_script(const std::filesystem::path& file, const Series& series
          (any ? plots : "") + "\n";
 }
 
-std::string tracking_script(const std::filesystem::path& file, const Series& series,
+std::string tracking_script(const Series& series,
                             const std::string& title) {
   const TrackingErrors tracking = tracking_errors(series);
   const std::string task = thinned(tracking.task.time, tracking.task.error);
   const std::string approach = thinned(tracking.approach.time, tracking.approach.error);
   const auto rows = [](const std::string& some) { return some.empty() ? "0 0\n" : some; };
-  return terminal(file, 900, 420) + "$task << EOD\n" + rows(task) + "EOD\n" + "$approach << EOD\n" +
+  return terminal(900, 420) + "$task << EOD\n" + rows(task) + "EOD\n" + "$approach << EOD\n" +
          rows(approach) + "EOD\n" + fmt::format("set title {} noenhanced\n", quoted(title)) +
          "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\n" +
          axes(!task.empty() || !approach.empty()) +
@@ -189,24 +189,27 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
     if (plan.solve_time > 0.0) solve_times.push_back(plan.solve_time);
   }
   const std::string latency_script =
-      terminal(directory / "latency.png", 820, 980) + "set multiplot layout 3,1\n" +
+      terminal(820, 980) + "set multiplot layout 3,1\n" +
       histogram_panel("state", "robot state to command", measured.state_to_command) +
       histogram_panel("plan", "exposure to plan", measured.exposure_to_plan) +
       histogram_panel("torque", "exposure to torque", measured.exposure_to_torque) +
       "unset multiplot\n";
   const std::vector<std::pair<std::string, std::string>> pictures{
-      {"path.png", path_script(directory / "path.png", series, task, figures, title)},
-      {"path_error.png", error_script(directory / "path_error.png", series, task, figures, title)},
+      {"path.png", path_script(series, task, figures, title)},
+      {"path_error.png", error_script(series, task, figures, title)},
       {"end_effector_error.png",
-       tracking_script(directory / "end_effector_error.png", series, title)},
-      {"solve_time.png", terminal(directory / "solve_time.png", 820, 420) +
+       tracking_script(series, title)},
+      {"solve_time.png", terminal(820, 420) +
                              histogram_panel("solve", "C3 solve time, " + title, solve_times)},
       {"latency.png", latency_script}};
-  std::string missing;
+  std::string missing, reason;
   for (const auto& [name, script] : pictures) {
-    if (!draw(script)) missing += (missing.empty() ? "" : ", ") + name;
+    const std::string refused = draw(directory / name, script);
+    if (refused.empty()) continue;
+    missing += (missing.empty() ? "" : ", ") + name;
+    reason = refused;
   }
-  return gnuplot::missing(missing);
+  return gnuplot::missing(missing, reason);
 }
 
 }  // namespace c3rt::cli

@@ -16,6 +16,7 @@
 #include "cli/lock.hpp"
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
+#include "tests/cli/place.hpp"
 #include "tests/support/outcome.hpp"
 
 namespace {
@@ -27,54 +28,6 @@ namespace fs = std::filesystem;
 constexpr int kDomain = 97;
 
 using c3rt::support::Outcome;
-
-/// A place of its own: locks, results and the four "processes".
-class Place {
- public:
-  Place() {
-    fs::create_directories(folder_.path() / "run" / "c3rt");
-    fs::create_directories(folder_.path() / "bin");
-    for (const char* name : {"plant", "impedance", "planner", "vision"})
-      process(name, "exec sleep 300");
-  }
-  /// Puts a shell script in the place of c3rt-NAME; it leaves its pid behind.
-  void process(const std::string& name, const std::string& script) const {
-    const fs::path file = folder_.path() / "bin" / ("c3rt-" + name);
-    std::ofstream(file) << "#!/bin/bash\necho $$ > " << pid_file(name).string() << "\n"
-                        << script << "\n";
-    fs::permissions(file, fs::perms::owner_all);
-  }
-  std::string command(const std::string& arguments) const {
-    return "XDG_RUNTIME_DIR='" + (folder_.path() / "run").string() + "' C3RT_PROCESS_DIRECTORY='" +
-           (folder_.path() / "bin").string() + "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " +
-           arguments;
-  }
-  Outcome c3rt(const std::string& arguments) const {
-    return c3rt::support::outcome_of(command(arguments));
-  }
-  std::string start_options() const {
-    return " --domain " + std::to_string(kDomain) + " --out '" + (folder_.path() / "out").string() +
-           "'";
-  }
-  fs::path locks() const { return folder_.path() / "run" / "c3rt"; }
-  fs::path out() const { return folder_.path() / "out"; }
-  fs::path pid_file(const std::string& name) const { return folder_.path() / (name + ".pid"); }
-  bool started(const std::string& name) const {
-    std::error_code error;
-    return fs::file_size(pid_file(name), error) > 0 && !error;
-  }
-  /// No process of this place is running.
-  bool empty() const {
-    for (const char* name : {"plant", "impedance", "planner", "vision"}) {
-      pid_t pid = 0;
-      if (std::ifstream(pid_file(name)) >> pid && kill(pid, 0) == 0) return false;
-    }
-    return true;
-  }
-
- private:
-  Folder folder_;
-};
 
 }  // namespace
 

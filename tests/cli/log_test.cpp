@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/cli/folder.hpp"
+#include "tests/support/small_disk.hpp"
 
 namespace {
 
@@ -90,6 +91,9 @@ TEST_CASE("the log of a topic is a table with as many names as numbers") {
     sample.header = {7, 12, 34'000'000};
     sample.p_WB_m[1] = 0.125;
     log.add(sample);
+    // a table that is not whole has another name
+    REQUIRE_FALSE(std::filesystem::exists(folder.path() / "ball_estimate.csv"));
+    log.finish();
   }
   std::ifstream file(folder.path() / "ball_estimate.csv");
   std::string names, numbers;
@@ -111,4 +115,20 @@ TEST_CASE("the log of a topic is a table with as many names as numbers") {
   REQUIRE(value("time_ns") == "34000000");
   REQUIRE(value("seq") == "12");
   REQUIRE(value("p_WB_m_1") == "0.125");
+}
+
+TEST_CASE("a log that the disk has no room for says so, and leaves no table that looks whole") {
+  const c3rt::test::SmallDisk disk;
+  if (!disk.mounted()) {
+    WARN("no file system can be mounted here");
+    return;
+  }
+  TopicLog<wire::RobotState> log(disk.path());
+  const auto fill = [&] {
+    wire::RobotState sample{};
+    for (int i = 0; i < 100000; ++i) log.add(sample);
+    log.finish();
+  };
+  REQUIRE_THROWS_WITH(fill(), Catch::Contains("robot_state.csv: No space left on device"));
+  REQUIRE_FALSE(std::filesystem::exists(disk.path() / "robot_state.csv"));
 }

@@ -1,0 +1,195 @@
+#include "cli/keeper.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "cli/client.hpp"
+#include "cli/paths.hpp"
+#include "controller/rt/periodic_clock.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+constexpr double kLookAtDisk = 1.0;  // [s]
+// A death is seen within 0.02 s, the reflex that it caused may be told before. [s]
+constexpr double kJustBefore = 0.5;
+constexpr double kBetweenRecovers = 0.5, kRecoverWithin = 15.0;  // [s]
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
+
+}  // namespace
+
+Keeper::Keeper(Launch& launch, Supervisor& supervisor)
+    : launch_(launch),
+      supervisor_(supervisor),
+      bus_(launch.bus()),
+      statuses_(bus_, 64),
+      targets_(bus_),
+      replies_(bus_),
+      target_writer_(bus_),
+      requests_(bus_) {}
+
+std::optional<ChildExit> Keeper::step() {
+  const double now = now_s();
+  hear(now);
+  while (const auto end = supervisor_.take_ended()) {
+    if (!came_up_ || launch_.lockstep()) return end;
+    bury(*end, now);
+  }
+  start_due(now);
+  recover(now);
+  look_at_disk(now);
+  return std::nullopt;
+}
+
+void Keeper::hear(double now) {
+  wire::ServiceStatus status{};
+  while (statuses_.take(status)) {
+    const auto process = static_cast<std::size_t>(status.process);
+    if (process < heard_.size()) heard_[process] = status;
+  }
+  int count = 0;
+  for (const wire::ServiceStatus& each : heard_) count += each.pid != 0 && in_service(each) ? 1 : 0;
+  came_up_ = came_up_ || count >= 4;
+  if (robot_well()) well_at_ = now;
+
+  wire::TaskTarget target{};
+  while (targets_.take(target)) {
+    asked_ = target;
+    if (target.request_id == 0) target_ = target;
+  }
+  wire::ServiceReply reply{};
+  while (replies_.take(reply)) {
+    if (asked_ && reply.request_id == asked_->request_id && reply.ok) target_ = asked_;
+  }
+}
+
+bool Keeper::robot_well() const {
+  return heard(c3rt_v1_PROCESS_PLANT).state == c3rt_v1_SERVICE_RUNNING &&
+         heard(c3rt_v1_PROCESS_IMPEDANCE).state == c3rt_v1_SERVICE_RUNNING;
+}
+
+/// What stopped the robot was that a process had gone, and that has been made good: nobody need come
+/// and recover it. Who stopped it by hand before, or after, must.
+void Keeper::recover(double now) {
+  if (restarted_.empty() || now < recover_next_) return;
+  if (now > recover_until_) {
+    tell("the robot did not recover after " + restarted_ + " was started again: c3rt recover");
+    restarted_.clear();
+    return;
+  }
+  for (const auto& [name, kept] : kept_) {
+    if (kept.due) return;
+    for (const wire::ServiceStatus& status : heard_) {
+      // still the words of the one that has died
+      if (name == wire::process_name(status.process) && status.pid == kept.pid) return;
+    }
+  }
+  recover_next_ = now + kBetweenRecovers;
+  if (const auto& planner = heard(c3rt_v1_PROCESS_PLANNER); restarted_ == "planner" && target_) {
+    if (!in_service(planner)) return;
+    wire::TaskTarget again = *target_;
+    again.request_id = 0;
+    target_writer_.write(again, rt::now_ns());
+  }
+  if (robot_well()) {
+    tell("the robot goes on after " + restarted_ + " was started again");
+    restarted_.clear();
+    return;
+  }
+  if (std::string(heard(c3rt_v1_PROCESS_PLANT).text).find("stopped by a person") == 0) {
+    restarted_.clear();
+    return;
+  }
+  for (const wire::Process process :
+       {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}) {
+    wire::ServiceRequest wanted{};
+    wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
+    wanted.process = process;
+    wanted.verb = c3rt_v1_REQUEST_RECOVER;
+    requests_.write(wanted, rt::now_ns());
+  }
+}
+
+void Keeper::bury(const ChildExit& end, double now) {
+  Kept& kept = kept_[end.name];
+  kept.last = end.reason;
+  kept.due = kept.policy.died(now);
+  kept.given_up = !kept.due.has_value();
+  for (const wire::ServiceStatus& status : heard_) {
+    if (status.pid != 0 && end.name == wire::process_name(status.process)) kept.pid = status.pid;
+  }
+  if (!kept.given_up && (now - well_at_ < kJustBefore || !restarted_.empty())) {
+    restarted_ = end.name;
+    recover_until_ = now + kRecoverWithin;
+    recover_next_ = now;
+  }
+  tell(failure_text(end));
+  if (kept.given_up) {
+    tell(fmt::format("{} is given up: it has ended {} in {:g} s; the others go on without it",
+                     end.name, times(RestartPolicy::kMost + 1), RestartPolicy::kWindow));
+  }
+  write_notes();
+}
+
+void Keeper::start_due(double now) {
+  for (auto& [name, kept] : kept_) {
+    if (!kept.due || *kept.due > now) continue;
+    kept.due.reset();
+    try {
+      launch_.restart(supervisor_, name);
+      tell(name + " is started again");
+    } catch (const std::exception& error) {
+      kept.last = error.what();
+      kept.due = kept.policy.died(now);
+      kept.given_up = !kept.due.has_value();
+      tell(error.what());
+    }
+    write_notes();
+  }
+}
+
+void Keeper::look_at_disk(double now) {
+  if (now - disk_seen_ < kLookAtDisk) return;
+  disk_seen_ = now;
+  const bool full = is_full(launch_.out());
+  if (full == disk_full_) return;
+  disk_full_ = full;
+  tell(full ? "no room is left in " + launch_.out().string() + ": logs lose what is said"
+            : "there is room in " + launch_.out().string() + " again");
+  write_notes();
+}
+
+void Keeper::tell(const std::string& sentence) const {
+  fmt::print("{:%H:%M:%S} {}\n", fmt::localtime(std::time(nullptr)), sentence);
+  std::fflush(stdout);
+}
+
+void Keeper::write_notes() const {
+  std::vector<std::string> notes;
+  for (const auto& [name, kept] : kept_) {
+    const int restarts = kept.policy.deaths() - (kept.due || kept.given_up ? 1 : 0);
+    std::string note = restarts > 0 ? fmt::format("{} was started again {}", name, times(restarts))
+                                    : name + " has ended";
+    note += fmt::format(" ({})", kept.last);
+    if (kept.given_up) note += "; it ended too often and is given up: c3rt down, then up";
+    notes.push_back(note);
+  }
+  if (disk_full_)
+    notes.push_back("no room is left in " + launch_.out().string() + ": logs lose what is said");
+  try {
+    launch_.lock().set_notes(notes);
+  } catch (const std::exception& error) {
+    tell(error.what());  // that they cannot be told is no reason to end the robot's processes
+  }
+}
+
+}  // namespace c3rt::cli

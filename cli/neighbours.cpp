@@ -1,0 +1,88 @@
+#include "cli/neighbours.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <pwd.h>
+#include <sys/stat.h>
+
+#include "config/text.hpp"
+#include "idl/discovery.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+// who writes these moves a robot or speaks for a process; a client's own camera or planner does not
+constexpr const char* kTopics[] = {"robot/state", "robot/command", "sim/tick", "service/status"};
+
+bool is_here(const Neighbour& neighbour) { return neighbour.host == wire::host_name(); }
+
+/// A process of this host that has just died is still known on the bus for a while.
+bool lives(const Neighbour& neighbour) {
+  return !is_here(neighbour) || neighbour.pid <= 0 || kill(neighbour.pid, 0) == 0 || errno == EPERM;
+}
+
+std::string owner_of(int pid) {
+  struct stat process {};
+  if (stat(("/proc/" + std::to_string(pid)).c_str(), &process) != 0) return "";
+  const passwd* user = getpwuid(process.st_uid);
+  return user != nullptr ? user->pw_name : std::to_string(process.st_uid);
+}
+
+std::vector<Neighbour> look(const wire::Bus& bus) {
+  std::vector<Neighbour> all;
+  for (const wire::PeerEndpoint& peer : wire::peer_endpoints(bus)) {
+    const bool counts =
+        peer.is_writer && std::any_of(std::begin(kTopics), std::end(kTopics),
+                                      [&](const char* topic) { return peer.topic == topic; });
+    const bool known = std::any_of(all.begin(), all.end(), [&](const Neighbour& neighbour) {
+      return neighbour.pid == peer.pid && neighbour.host == peer.host;
+    });
+    if (!counts || known) continue;
+    Neighbour neighbour{peer.process, peer.host, "", peer.pid};
+    if (!lives(neighbour)) continue;
+    if (is_here(neighbour)) neighbour.user = owner_of(peer.pid);
+    all.push_back(neighbour);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string Neighbour::text() const {
+  std::string inside = pid > 0 ? "pid " + std::to_string(pid) : "";
+  const auto add = [&inside](const std::string& what) {
+    inside += (inside.empty() ? "" : ", ") + what;
+  };
+  if (!user.empty()) add("user " + user);
+  if (!host.empty() && !is_here(*this)) add("on " + config::printable(host));
+  const std::string name = process.empty() ? "another program" : config::printable(process);
+  return inside.empty() ? name : name + " (" + inside + ")";
+}
+
+std::vector<Neighbour> neighbours(const wire::Bus& bus, double seconds) {
+  const auto deadline = steady_clock::now() + std::chrono::duration<double>(seconds);
+  std::vector<Neighbour> found;
+  while (found.empty() && steady_clock::now() < deadline && !wire::StopFlag::requested()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    found = look(bus);
+  }
+  if (found.empty()) return found;
+  // the rest of them is found a moment later, and who is just ending has ended
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  return look(bus);
+}
+
+std::string text(const std::vector<Neighbour>& all) {
+  std::string result;
+  for (const Neighbour& neighbour : all) result += (result.empty() ? "" : ", ") + neighbour.text();
+  return result;
+}
+
+}  // namespace c3rt::cli
