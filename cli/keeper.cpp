@@ -17,7 +17,7 @@ namespace {
 constexpr double kLookAtDisk = 1.0;  // [s]
 // A death is seen within 0.02 s, the reflex that it caused may be told before. [s]
 constexpr double kJustBefore = 0.5;
-constexpr double kBetweenRecovers = 0.5, kRecoverWithin = 15.0;  // [s]
+constexpr double kBetweenRecovers = 0.5, kRecoverWithin = 15.0, kSettled = 1.5;  // [s]
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -94,13 +94,17 @@ void Keeper::recover(double now) {
     }
   }
   recover_next_ = now + kBetweenRecovers;
-  if (const auto& planner = heard(c3rt_v1_PROCESS_PLANNER); restarted_ == "planner" && target_) {
+  if (const auto& planner = heard(c3rt_v1_PROCESS_PLANNER); restarted_ == "planner" && target_ && !told_again_) {
     if (!in_service(planner)) return;
     wire::TaskTarget again = *target_;
     again.request_id = 0;
     target_writer_.write(again, rt::now_ns());
+    told_again_ = true;
   }
+  if (!robot_well()) unwell_at_ = now;
   if (robot_well()) {
+    // a plan that jumps, or a command that comes too late, shows a moment later
+    if (now - unwell_at_ < kSettled) return;
     tell("the robot goes on after " + restarted_ + " was started again");
     restarted_.clear();
     return;
@@ -129,7 +133,9 @@ void Keeper::bury(const ChildExit& end, double now) {
   }
   if (!kept.given_up && (now - well_at_ < kJustBefore || !restarted_.empty())) {
     restarted_ = end.name;
+    told_again_ = false;
     recover_until_ = now + kRecoverWithin;
+    unwell_at_ = now;
     recover_next_ = now;
   }
   tell(failure_text(end));

@@ -61,7 +61,8 @@ class Keeper {
   std::optional<wire::TaskTarget> asked_, target_;  // the newest; the newest that was taken
   double well_at_ = -1e9;                           // the robot was well
   std::string restarted_;        // who was started again while the robot was well; empty: nobody
-  double recover_until_ = 0.0, recover_next_ = 0.0;
+  bool told_again_ = false;  // the planner that was started again knows its target
+  double recover_until_ = 0.0, recover_next_ = 0.0, unwell_at_ = 0.0;
 };
 
 }  // namespace c3rt::cli
