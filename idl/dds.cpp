@@ -627,6 +627,7 @@ int ReaderBase::pump() noexcept {
       refusal.reason = Reason::kOldSequence;
     if (refusal) {
       refuse(refusal, header, source);
+      keep_refused(slot, refusal);
       continue;
     }
     // it has arrived, whether it is of use or not

@@ -171,7 +171,7 @@ struct ReaderCounters {
   }
 };
 
-/// Requests: what is refused for its value is kept, so that it can be answered.
+/// Requests: what is refused is kept, so that it can be answered.
 template <typename T>
 constexpr bool kAnswered = std::is_same_v<T, TaskTarget> || std::is_same_v<T, FaultInject> ||
                            std::is_same_v<T, ServiceRequest>;
@@ -259,8 +259,7 @@ class Reader : public ReaderBase {
     pop();
     return true;
   }
-  /// Requests: the next one that was refused for its value, to be answered with the reason. At most
-  /// 8 are kept.
+  /// Requests: the next one that was refused, to be answered with the reason. At most 8 are kept.
   bool take_refused(T& out, Refusal& why) noexcept {
     static_assert(kAnswered<T>);
     pump();

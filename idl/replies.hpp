@@ -23,7 +23,7 @@ class Replies {
     std::snprintf(reply.text, sizeof reply.text, "%s", text.c_str());
     writer_.write(reply, now_ns);
   }
-  /// Answers what a reader refused for its values and this process was asked for.
+  /// Answers what a reader refused and this process was asked for.
   template <typename T>
   void answer_refused(Reader<T>& reader, std::int64_t now_ns) {
     T sample{};

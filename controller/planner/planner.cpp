@@ -12,8 +12,8 @@ constexpr double kStateTimeout = 0.1;  // [s]
 constexpr double kOnBallGap = 1.5e-3, kOnBallBeside = 0.025;
 constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
 constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
-constexpr double kDelivered = 3e-3;     // a ball that stops this near to its point is there [m]
-constexpr double kAstray = 8e-3;        // and one that is farther away than this [m]
+constexpr double kNearPoint = 0.01;     // a ball that stops this near to its point is carried there [m]
+constexpr double kAstray = 6e-3;        // and one that is farther away than this [m]
 constexpr double kAstrayTime = 0.3;     // for this long is brought back [s]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
@@ -136,8 +136,15 @@ RestInput Planner::rest_input(const Input& input, const Scene& scene,
                               double period) const noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
   const Ball& ball = scene.balls[worked];
-  return {input.now, period,    input.p_WE, input.v_WE, in_view(input.balls[worked]),
-          ball.p_WB, ball.v_WB};
+  const auto* to = std::get_if<PointTarget>(&input.target);
+  return {input.now,
+          period,
+          input.p_WE,
+          input.v_WE,
+          in_view(input.balls[worked]),
+          ball.p_WB,
+          ball.v_WB,
+          to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
 }
 
 void Planner::decide_rest(const Input& input, const Scene& scene, Situation& known) noexcept {
@@ -169,10 +176,11 @@ void Planner::decide_rest(const Input& input, const Scene& scene, Situation& kno
     const bool astray = seen && (ball.p_WB.head<2>() - to->point).norm() > kAstray;
     if (!astray) astray_since_ = input.now;
     if (input.now - astray_since_ > kAstrayTime) delivered_.reset();
-  } else {
+  }
+  if (to != nullptr && !delivered_ && known.balls_at_hand) {
     const Eigen::Vector2d v = ball.v_WB.head<2>();
     const Eigen::Vector2d stops = ball.p_WB.head<2>() + v * v.norm() / kStoppingRate;
-    delivers = mode_ == Mode::kRest || (stops - to->point).norm() < kDelivered;
+    delivers = mode_ == Mode::kRest || (stops - to->point).norm() < kNearPoint;
   }
 
   const Rest::Stage stage = rest_.stage();
@@ -180,10 +188,12 @@ void Planner::decide_rest(const Input& input, const Scene& scene, Situation& kno
     known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
     known.ball_left = stage == Rest::Stage::kLeft;
   } else if (working) {
-    const bool on_ball = mode_ == Mode::kRoll && on_ball_;
-    known.rest_wanted = hold || (on_ball && (delivers || !known.balls_at_hand));
+    known.rest_wanted = hold || delivers || (mode_ == Mode::kRoll && on_ball_ && !known.balls_at_hand);
+  } else {
+    known.rest_wanted = delivers && mode_ == Mode::kHold;  // it has crept away a little
   }
-  if (known.ball_left && delivers) {
+  const bool there = to != nullptr && seen && (ball.p_WB.head<2>() - to->point).norm() < kAstray;
+  if (known.ball_left && delivers && there) {
     delivered_ = to->point;
     astray_since_ = input.now;
   }

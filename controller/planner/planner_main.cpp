@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "config/process_options.hpp"
@@ -64,8 +63,7 @@ void take_estimates(Inputs& in, int balls, std::int64_t now_ns) {
   }
 }
 
-/// A client's wish; nothing for a kind that this planner does not know.
-std::optional<planner::Target> target_of(const wire::TaskTarget& sample) {
+planner::Target target_of(const wire::TaskTarget& sample) {
   const Eigen::Vector2d at(sample.center_m[0], sample.center_m[1]);
   switch (sample.kind) {
     case c3rt_v1_TARGET_SCENARIO:
@@ -77,21 +75,17 @@ std::optional<planner::Target> target_of(const wire::TaskTarget& sample) {
     case c3rt_v1_TARGET_POINT:
       return planner::PointTarget{at};
   }
-  return std::nullopt;
+  return planner::HoldTarget{};  // no other kind passes the reader
 }
 
-// what strangers write is checked here
 void take_targets(Inputs& in, const planner::TargetLimits& limits, wire::Replies& replies,
                   std::int64_t now_ns) {
   replies.answer_refused(in.targets, now_ns);
   wire::TaskTarget sample{};
   while (in.targets.take(sample)) {
-    const auto target = target_of(sample);
-    const std::string refused =
-        target ? planner::check(*target, limits).sentence
-               : fmt::format("expected a target of kind 0 to 3 (scenario, hold, circle, point), got {}",
-                             static_cast<int>(sample.kind));
-    if (refused.empty()) in.target = *target;
+    const planner::Target target = target_of(sample);
+    const std::string refused = planner::check(target, limits).sentence;
+    if (refused.empty()) in.target = target;
     const std::string said = refused.empty() ? planner::describe(in.target) : "refused: " + refused;
     replies.answer(sample.request_id, refused.empty(), said, now_ns);
     spdlog::log(refused.empty() ? spdlog::level::info : spdlog::level::warn, "planner: target {}",

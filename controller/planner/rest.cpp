@@ -1,6 +1,7 @@
 #include "controller/planner/rest.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace c3rt::planner {
 namespace {
@@ -23,6 +24,9 @@ constexpr double kPress = 3.0;          // while the ball is stopped [N]
 constexpr double kStill = 1e-3;         // an end effector slower than this stands still [m/s]
 constexpr double kStand = 0.3;          // it has to stand still for this long [s]
 constexpr double kOffGap = 6e-3;        // the ball is seen to have gone [m]
+constexpr double kAtGoal = 2e-3;        // nearer than this the ball is there [m]
+constexpr double kCarryReach = 0.015;   // and from farther it is not carried, as it would slip [m]
+constexpr double kCarrySpeed = 0.03;    // [m/s]
 constexpr double kRelease = 0.5;        // the press fades over this time [s]
 constexpr double kClear = 3e-3;         // rises this far before it is off the ball [m]
 constexpr double kRiseSpeed = 0.01;     // [m/s]
@@ -85,6 +89,7 @@ void Rest::meet(const RestInput& input) noexcept {
 
 void Rest::touch(const RestInput& input) noexcept {
   press_ = kPress;
+  carried_ = false;
   Eigen::Vector3d wanted(v_WB_.x(), v_WB_.y(), -kSinking);
   if (input.seen) wanted.head<2>() += kCentring * (input.p_WB - reference_).head<2>();
   advance(input, wanted);
@@ -96,6 +101,27 @@ void Rest::touch(const RestInput& input) noexcept {
              input.p_WB.z() + model_.ball_radius + model_.end_effector_radius - kMissed) {
     enter(input.seen ? Stage::kMeet : Stage::kFailed, input.now);
     press_ = 0.0;
+  }
+}
+
+bool Rest::carry(const RestInput& input) noexcept {
+  if (!input.goal || !input.seen || carried_) return false;
+  const Eigen::Vector2d way = *input.goal - input.p_WB.head<2>();
+  const Eigen::Vector2d beside = (input.p_WE - input.p_WB).head<2>() + way;  // at its end
+  if (way.norm() < kAtGoal || way.norm() > kCarryReach || beside.norm() > kNearBeside) return false;
+  carry_to_ = input.p_WE.head<2>() + 2.0 * way;
+  carried_ = true;
+  enter(Stage::kCarry, input.now);
+  return true;
+}
+
+void Rest::stand(const RestInput& input) noexcept {
+  reference_.z() = input.p_WE.z();
+  if (input.v_WE.norm() > kStill) still_since_ = input.now;
+  if (input.seen && gap(input) > kOffGap) {
+    begin(input);
+  } else if (input.now - still_since_ >= kStand && !carry(input)) {
+    enter(Stage::kRelease, input.now);
   }
 }
 
@@ -124,14 +150,22 @@ void Rest::step(const RestInput& input) noexcept {
       break;
     }
     case Stage::kStand:
-      reference_.z() = input.p_WE.z();
-      if (input.v_WE.norm() > kStill) still_since_ = input.now;
-      if (input.seen && gap(input) > kOffGap) {
-        begin(input);
-      } else if (input.now - still_since_ >= kStand) {
-        enter(Stage::kRelease, input.now);
-      }
+      stand(input);
       break;
+    case Stage::kCarry: {
+      const Eigen::Vector2d way = carry_to_ - reference_.head<2>();
+      const double to_go = way.norm();
+      const double speed = std::min(kCarrySpeed, std::sqrt(kBraking * to_go));
+      if (to_go <= speed * input.period) {
+        reference_.head<2>() = carry_to_;
+        velocity_.setZero();
+        enter(Stage::kStand, input.now);
+      } else {
+        advance(input, {speed * way.x() / to_go, speed * way.y() / to_go, 0.0});
+      }
+      reference_.z() = input.p_WE.z();
+      break;
+    }
     case Stage::kRelease:
       stopped_ = true;
       press_ = std::max(0.0, kPress * (1.0 - (input.now - since_) / kRelease));
@@ -147,6 +181,7 @@ void Rest::step(const RestInput& input) noexcept {
       const double risen = kRiseSpeed * (time - 0.5 * kRiseSpeed / kRiseRate);
       if (risen < kClear) break;
       // a ball that was stopped from beside its top keeps a spin that makes it creep: once more
+      if (carried_) from_above_ = false;
       enter(!from_above_ && input.seen ? Stage::kMeet : Stage::kLeft, input.now);
       break;
     }
