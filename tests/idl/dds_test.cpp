@@ -328,8 +328,10 @@ TEST_CASE("Reader: a second writer of what moves the robot is refused, counted a
     wild.tau_nm[0] = 87.0;
     if (!eventually([&] { return writer.matched(); })) return 2;
     // of no session, and of the right one
-    for (std::uint64_t i = 1; i <= 5; ++i) writer.write(wild, i == 1 ? 0 : 7, i);
-    sleep(20);
+    for (std::uint64_t i = 1; i <= 4000; ++i) {
+      writer.write(wild, i % 2 == 1 ? 0 : 7, i);
+      usleep(5000);
+    }
     return 0;
   });
   Bus impedance(test::settings(ClockMode::kRealtime, 7)),
@@ -346,7 +348,7 @@ TEST_CASE("Reader: a second writer of what moves the robot is refused, counted a
     commands.write(command, 1);
     RobotCommand taken{};
     while (reader.take(taken)) obeyed = obeyed || taken.tau_nm[0] != 0.0;
-    return reader.counters().refused_for(Reason::kSecondWriter) == 5;
+    return reader.counters().refused_for(Reason::kSecondWriter) >= 5;
   });
   CHECK(refused);
   CHECK_FALSE(obeyed);
@@ -354,7 +356,7 @@ TEST_CASE("Reader: a second writer of what moves the robot is refused, counted a
   REQUIRE(refusals.size() == 1);
   CHECK(refusals[0].topic == "robot/command");
   CHECK(refusals[0].reason == Reason::kSecondWriter);
-  CHECK(refusals[0].count == 5);
+  CHECK(refusals[0].count >= 5);
   CHECK_THAT(refusals[0].from, Catch::Contains("(pid " + std::to_string(stranger.pid()) + ")"));
   CHECK_THAT(refusals[0].latest, Catch::StartsWith("obeyed is ") &&
                                      Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
