@@ -1,15 +1,10 @@
-#include <cmath>
-
 #include "controller/c3/projection.hpp"
-#include "controller/lcs/lemke.hpp"
+#include "controller/lcs/step.hpp"
 
 namespace c3rt::c3 {
 namespace {
 
 using Eigen::VectorXd;
-
-constexpr double kInSet = 1e-9;           // of the terms of a gap
-constexpr double kForceRounding = 1e-12;  // of the largest force: what a force of 0 may be instead
 
 class LcpProjection final : public Projection {
  public:
@@ -24,20 +19,13 @@ class LcpProjection final : public Projection {
                            const Deadline&) noexcept override {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
-    VectorXd& q = lemke_.q();
-    q = lcs_->c;
-    q.noalias() += lcs_->E * sizes_.x(v);
-    q.noalias() += lcs_->H * sizes_.u(v);
-    const lcs::LcpReport lcp = lemke_.solve_regularised(lcs_->F, q, sizes_.lambda(delta));
+    const lcs::LcpReport lcp =
+        lcs::solve_lcp(*lcs_, sizes_.x(v), sizes_.u(v), lemke_, sizes_.lambda(delta));
     if (lcp.status != lcs::LcpStatus::kSolved) {
       delta = v;
       return {lcp.status == lcs::LcpStatus::kInaccurate ? ProjectionStatus::kInaccurate
                                                         : ProjectionStatus::kNotFound,
               lcp.pivots, 0.0};
-    }
-    if (!is_in_set(q, sizes_.lambda(delta), v)) {
-      delta = v;
-      return {ProjectionStatus::kNotFound, lcp.pivots, 0.0};
     }
     difference_ = delta - v;
     if (U_.size() == 0) return {ProjectionStatus::kSolved, lcp.pivots, difference_.squaredNorm()};
@@ -46,27 +34,6 @@ class LcpProjection final : public Projection {
   }
 
  private:
-  /// Whether every gap is within rounding of 0, or above it where the force is 0: where only a
-  /// regularised problem had a solution, that of the given one may be far away.
-  bool is_in_set(const VectorXd& q, const Eigen::Ref<const VectorXd>& lambda,
-                 const Eigen::Ref<const VectorXd>& v) const noexcept {
-    if (sizes_.n_lambda == 0) return true;
-    const double largest = lambda.maxCoeff();
-    for (int i = 0; i < sizes_.n_lambda; ++i) {
-      double y = q[i], terms = std::abs(lcs_->c[i]), possible = 0.0;
-      for (int j = 0; j < sizes_.n_x; ++j) terms += std::abs(lcs_->E(i, j) * v[j]);
-      for (int j = 0; j < sizes_.n_u; ++j) terms += std::abs(lcs_->H(i, j) * sizes_.u(v)[j]);
-      for (int j = 0; j < sizes_.n_lambda; ++j) {
-        y += lcs_->F(i, j) * lambda[j];
-        terms += std::abs(lcs_->F(i, j) * lambda[j]);
-        possible += std::abs(lcs_->F(i, j)) * largest;
-      }
-      const bool is_closed = std::abs(y) <= kInSet * terms + kForceRounding * possible;
-      if (!(is_closed || (y > 0.0 && lambda[i] == 0.0))) return false;
-    }
-    return true;
-  }
-
   Sizes sizes_;
   lcs::Lemke lemke_;
   const lcs::Lcs* lcs_ = nullptr;

@@ -59,9 +59,8 @@ class Projection {
 /// where weights or units lie so far apart that no digits of a point of the set are left.
 std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nodes);
 
-/// δ_x = v_x, δ_u = v_u, δ_λ = LCP(E v_x + H v_u + c, F) by Lemke's method, regularised where the
-/// plain one fails; kNotFound where that answer is not one of the given LCP: a gap beside a force, or
-/// below zero, by more than 1e-9 of its terms and 1e-12 of what the largest force would give.
+/// δ_x = v_x, δ_u = v_u, δ_λ = LCP(E v_x + H v_u + c, F) by Lemke's method; kNotFound
+/// where that finds no answer that `lcs::miss` accepts.
 std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes);
 
 /// ρ of the first turn of the nested ADMM, beside U, its factor per turn and how many turns at most.

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "controller/lcs/step.hpp"
+
 namespace c3rt::c3 {
 namespace {
 
@@ -232,10 +234,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
 
 Failure Solver::find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0) noexcept {
   if (!lcs.H.isZero(0.0)) return Failure::kLambda0;
-  VectorXd& q = lemke_.q();
-  q = lcs.c;
-  q.noalias() += lcs.E * x0;
-  const lcs::LcpReport report = lemke_.solve_regularised(lcs.F, q, lambda_0_);
+  const lcs::LcpReport report = lcs::solve_lcp(lcs, x0, lemke_, lambda_0_);
   return report.status == lcs::LcpStatus::kSolved ? Failure::kNone : Failure::kLambda0;
 }
 

@@ -2,112 +2,224 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace c3rt::lcs {
 namespace {
 
-// An entry this small beside the largest of its column is rounding, not a pivot.
+// Of the tableau in double: an entry this small beside the largest of its column is rounding, not a
+// pivot, and ratios this close (beside the larger one) are a tie, which the lexicographic rule breaks.
 constexpr double kPivotTolerance = 1e-11;
-// Ratios this close (beside the larger one) are a tie, which the lexicographic rule breaks.
 constexpr double kTieTolerance = 1e-12;
-// A basis whose λ misses the problem by more than this (beside max(1, |q|)) is not called solved.
-constexpr double kResidualTolerance = 1e-7;
-// A row that is missed by less than this part of its terms needs no second attempt.
-constexpr double kExact = 1e-10;
-
-struct Residual {
-  double natural;   // max |min(λ, y)|
-  double relative;  // what misses complementarity, beside the terms of its row
-};
-
-Residual residual(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                  const Eigen::Ref<const Eigen::VectorXd>& q,
-                  const Eigen::Ref<const Eigen::VectorXd>& lambda, double epsilon) noexcept {
-  Residual worst{0.0, 0.0};
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    double y = q[i] + epsilon * lambda[i], terms = std::abs(q[i]) + epsilon * lambda[i];
-    for (Eigen::Index j = 0; j < q.size(); ++j) {
-      y += F(i, j) * lambda[j];
-      terms += std::abs(F(i, j) * lambda[j]);
-    }
-    worst.natural = std::max(worst.natural, std::abs(std::min(lambda[i], y)));
-    const double missing = lambda[i] > 0.0 ? std::abs(y) : std::max(-y, 0.0);
-    if (missing > worst.relative * terms) worst.relative = missing / terms;
-  }
-  return worst;
-}
+// Of the dictionary. With ε the smallest true pivots are some ε², without it the data's rounding,
+// 1e-17, is not to be taken for one.
+constexpr double kRegularisedPivot = 1e-20;
+constexpr double kSmallestPivot = 1e-11;
+constexpr int kEveryBasis = 8;   // rows of which all 2^n bases are tried
+constexpr int kOtherStarts = 4;  // with more rows
+constexpr int kProximalSteps = 8;
+// LcpMiss::relative of an answer that need not be made more exact.
+constexpr double kExact = 0.01;
+constexpr double kLikeUnits = 1e6;
 
 }  // namespace
+
+/// What the attempts share.
+struct Lemke::Lcp {
+  const Eigen::Ref<const Eigen::MatrixXd>& F;
+  const Eigen::Ref<const Eigen::VectorXd>& q;
+  const Eigen::Ref<const Eigen::VectorXd>& terms;
+};
 
 Lemke::Lemke(int size)
     : size_(size),
       tableau_(size, 2 * size + 2),
       basis_(size),
+      dictionary_(size),
+      small_(size <= kEveryBasis ? size : 0),
       q_(size),
+      terms_(size),
+      absolute_(size),
       first_(size),
       row_(Eigen::VectorXd::Ones(size)),
-      column_(Eigen::VectorXd::Ones(size)) {}
+      column_(Eigen::VectorXd::Ones(size)),
+      start_(size),
+      right_side_(size) {}
 
 LcpReport Lemke::solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
                        const Eigen::Ref<const Eigen::VectorXd>& q,
                        Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  LcpReport first = attempt(F, q, 0.0, false, lambda);
-  if (first.pivots == 0) return first;  // trivial, or refused
-  const auto missed = [&](const LcpReport& report) {
-    if (report.status != LcpStatus::kSolved) return HUGE_VAL;
-    return residual(F, q, lambda, 0.0).relative;
-  };
-  const double first_missed = missed(first);
-  if (first_missed <= kExact) return first;
-  first_ = lambda;
-  equilibrate(F);
-  LcpReport second = attempt(F, q, 0.0, true, lambda);
-  const bool better = missed(second) < first_missed;
-  if (!better) lambda = first_;
-  LcpReport& report = better ? second : first;
-  report.pivots = first.pivots + second.pivots;
-  return report;
+  if (q.size() == size_) absolute_ = q.cwiseAbs();
+  return solve(F, q, absolute_, lambda);
 }
 
-LcpReport Lemke::solve_regularised(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                                   const Eigen::Ref<const Eigen::VectorXd>& q,
-                                   Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  LcpReport report = solve(F, q, lambda);
-  if (report.status == LcpStatus::kSolved || !F.allFinite() || !q.allFinite()) return report;
-  const double largest = F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0.0;
-  int pivots = report.pivots;
-  for (double relative = 1e-12; relative < 2e-2; relative *= 100.0) {
-    report = attempt(F, q, relative * std::max(largest, 1e-12), false, lambda);
-    pivots += report.pivots;
-    report.pivots = pivots;
-    if (report.status == LcpStatus::kSolved) break;
+LcpReport Lemke::solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
+                       const Eigen::Ref<const Eigen::VectorXd>& q,
+                       const Eigen::Ref<const Eigen::VectorXd>& terms,
+                       Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  const int n = size_;
+  lambda.setZero();
+  if (F.rows() != n || F.cols() != n || q.size() != n || terms.size() != n || lambda.size() != n ||
+      !F.allFinite() || !q.allFinite() || !terms.allFinite()) {
+    return {LcpStatus::kInaccurate, 0, HUGE_VAL, 0.0};
   }
+  if (n == 0 || q.minCoeff() >= 0.0) return {LcpStatus::kSolved, 0, 0.0, 0.0};
+
+  const Lcp lcp{F, q, terms};
+  LcpReport report{LcpStatus::kRay, 0, 0.0, 0.0};
+  report.status = attempt(lcp, report.pivots, lambda);
+  if (report.status == LcpStatus::kSolved && is_exact(F, q, terms, lambda, report.residual))
+    return report;
+  equilibrate(F, terms, row_, column_);
+  if (report.status == LcpStatus::kSolved) {
+    const LcpMiss missed = miss(F, q, terms, row_, column_, lambda);
+    report.residual = missed.residual;
+    // in units of very different size, what is rounding of one force is all of another
+    const bool units_are_like = row_.maxCoeff() < kLikeUnits * row_.minCoeff() &&
+                                column_.maxCoeff() < kLikeUnits * column_.minCoeff();
+    if (units_are_like && missed.relative <= kExact) return report;
+    for (int i = 0; i < n; ++i) start_[i] = 0;
+    for (const int basic : basis_) {
+      if (basic >= n && basic < 2 * n) start_[basic - n] = 1;
+    }
+    refine(lcp, missed, report, lambda);
+    if (report.status == LcpStatus::kSolved) return report;
+  }
+  if (try_harder(lcp, report, lambda)) return report;
+  lambda.setZero();
+  report.residual = -q.minCoeff();
+  report.epsilon = 0.0;
   return report;
 }
 
-LcpReport Lemke::attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                         const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon, bool scaled,
-                         Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+bool Lemke::try_harder(const Lcp& lcp, LcpReport& report,
+                       Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  const int n = size_;
+  for (const double epsilon : {1e-8, 1e-6}) {
+    if (try_regularised(lcp, epsilon, report, lambda)) return true;
+    if (try_from(lcp, report, lambda)) return true;
+  }
+  const auto try_start = [&](const auto& has_force) {
+    for (int i = 0; i < n; ++i) start_[i] = has_force(i);
+    return try_from(lcp, report, lambda);
+  };
+  if (try_start([](int) { return false; })) return true;
+  const LcpStatus why_not = report.status;
+  if (try_start([](int) { return true; })) return true;
+  if (try_start([&](int i) { return lcp.q[i] < 0.0; })) return true;
+  if (n <= kEveryBasis && try_every_basis(lcp, report, lambda)) return true;
+  std::uint64_t random = 1;  // Lehmer's generator
+  for (int other = 0; n > kEveryBasis && other < kOtherStarts; ++other) {
+    if (try_start([&](int) { return ((random = random * 48271 % 2147483647) >> 16) % 2 == 1; }))
+      return true;
+  }
+  report.status = why_not;
+  return false;
+}
+
+/// What the dictionary has, and whether it is an answer, in the report.
+LcpMiss Lemke::take(const Lcp& lcp, LcpReport& report,
+                    Eigen::Ref<Eigen::VectorXd> lambda) const noexcept {
+  for (int i = 0; i < size_; ++i)
+    lambda[i] = column_[i] * std::max(dictionary_.value(size_ + i).high, 0.0);
+  const LcpMiss missed = miss(lcp.F, lcp.q, lcp.terms, row_, column_, lambda);
+  report.status = missed.accepted() ? LcpStatus::kSolved : LcpStatus::kInaccurate;
+  report.residual = missed.residual;
+  return missed;
+}
+
+/// The answer of the basis of start_, in 32 digits, if it misses less than the one that is there.
+void Lemke::refine(const Lcp& lcp, const LcpMiss& missed, LcpReport& report,
+                   Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  first_ = lambda;
+  dictionary_.load(lcp.F, lcp.q, row_, column_, 0.0);
+  dictionary_.exchange(start_, kSmallestPivot);
+  report.pivots += dictionary_.pivots();
+  if (take(lcp, report, lambda).relative <= missed.relative) return;
+  lambda = first_;
+  report.status = missed.accepted() ? LcpStatus::kSolved : LcpStatus::kInaccurate;
+  report.residual = missed.residual;
+}
+
+/// The answer for F + ε I, and those of q − ε λ in its place, until ε is not in it.
+bool Lemke::try_regularised(const Lcp& lcp, double epsilon, LcpReport& report,
+                            Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  const int n = size_, pivot_limit = 50 + 20 * n;
+  dictionary_.load(lcp.F, lcp.q, row_, column_, epsilon);
+  report.status = LcpStatus::kRay;
+  LcpMiss missed{0.0, 0.0};
+  for (int step = 0; step < kProximalSteps; ++step) {
+    if (step > 0) {
+      for (int i = 0; i < n; ++i) {
+        DoubleDouble force = dictionary_.value(n + i);
+        if (force.high < 0.0) force = {};
+        right_side_[i] = DoubleDouble{row_[i] * lcp.q[i]} - DoubleDouble{epsilon} * force;
+      }
+      dictionary_.set_right_side(right_side_);
+    }
+    if (dictionary_.cover(pivot_limit, kRegularisedPivot) != Dictionary<DoubleDouble>::End::kSolved)
+      break;
+    missed = take(lcp, report, lambda);
+    if (missed.relative <= kExact) break;
+  }
+  report.pivots += dictionary_.pivots();
+  report.epsilon = epsilon;
+  for (int i = 0; i < n; ++i) start_[i] = dictionary_.is_basic(n + i);
+  if (report.status != LcpStatus::kSolved) return false;
+  refine(lcp, missed, report, lambda);
+  return true;
+}
+
+/// Lemke's method from the basis of the λ in start_, or from as many of them as there is one.
+bool Lemke::try_from(const Lcp& lcp, LcpReport& report,
+                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  dictionary_.load(lcp.F, lcp.q, row_, column_, 0.0);
+  dictionary_.exchange(start_, kSmallestPivot);
+  take(lcp, report, lambda);
+  if (report.status != LcpStatus::kSolved) {
+    using End = Dictionary<DoubleDouble>::End;
+    const End end = dictionary_.cover(50 + 20 * size_, kSmallestPivot);
+    if (end == End::kSolved) take(lcp, report, lambda);
+    if (end == End::kRay) report.status = LcpStatus::kRay;
+    if (end == End::kPivotLimit) report.status = LcpStatus::kPivotLimit;
+  }
+  report.pivots += dictionary_.pivots();
+  return report.status == LcpStatus::kSolved;
+}
+
+bool Lemke::try_every_basis(const Lcp& lcp, LcpReport& report,
+                            Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  const int n = size_;
+  for (unsigned mode = 1; mode < 1u << n; ++mode) {
+    for (int i = 0; i < n; ++i) start_[i] = (mode >> i & 1u) != 0;
+    small_.load(lcp.F, lcp.q, row_, column_, 0.0);
+    const bool is_basis = small_.exchange(start_, kSmallestPivot);
+    report.pivots += small_.pivots();
+    if (!is_basis) continue;
+    double smallest = 0.0, largest = 0.0;
+    for (int i = 0; i < 2 * n; ++i) {
+      smallest = std::min(smallest, small_.value(i));
+      largest = std::max(largest, small_.value(i));
+    }
+    if (smallest < -1e-6 * largest) continue;
+    dictionary_.load(lcp.F, lcp.q, row_, column_, 0.0);
+    dictionary_.exchange(start_, kSmallestPivot);
+    report.pivots += dictionary_.pivots();
+    take(lcp, report, lambda);
+    if (report.status == LcpStatus::kSolved) return true;
+  }
+  return false;
+}
+
+/// In double, as the problem is given, from the basis without forces.
+LcpStatus Lemke::attempt(const Lcp& lcp, int& pivots, Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   const int n = size_;
   const int z0 = 2 * n, rhs = 2 * n + 1;
-  lambda.setZero();
-  if (F.rows() != n || F.cols() != n || q.size() != n || lambda.size() != n || !F.allFinite() ||
-      !q.allFinite()) {
-    return {LcpStatus::kInaccurate, 0, HUGE_VAL, epsilon};
-  }
-  if (n == 0 || q.minCoeff() >= 0.0) return {LcpStatus::kSolved, 0, 0.0, epsilon};
-
   // w − F λ − 1 z0 = q
   tableau_.leftCols(n).setIdentity();
-  tableau_.middleCols(n, n) = -F;
-  tableau_.middleCols(n, n).diagonal().array() -= epsilon;
+  tableau_.middleCols(n, n) = -lcp.F;
   tableau_.col(z0).setConstant(-1.0);
-  tableau_.col(rhs) = q;
-  if (scaled) {
-    tableau_.middleCols(n, n) =
-        row_.asDiagonal() * tableau_.middleCols(n, n) * column_.asDiagonal();
-    tableau_.col(rhs).array() *= row_.array();
-  }
+  tableau_.col(rhs) = lcp.q;
   for (int i = 0; i < n; ++i) basis_[i] = i;
 
   // z0 enters in the lexicographically smallest row; of equal q the last row has the smallest
@@ -118,54 +230,20 @@ LcpReport Lemke::attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
   }
   int entering = z0;
   const int pivot_limit = 50 + 20 * n;
-  int pivots = 0;
   while (true) {
-    if (pivots == pivot_limit) {
-      return {LcpStatus::kPivotLimit, pivots, residual(F, q, lambda, 0.0).natural, epsilon};
-    }
+    if (pivots == pivot_limit) return LcpStatus::kPivotLimit;
     const int leaving = basis_[row];
     pivot(row, entering);
     ++pivots;
     if (leaving == z0) break;
     entering = leaving < n ? leaving + n : leaving - n;  // the complement of what left
     row = leaving_row(entering);
-    if (row < 0) return {LcpStatus::kRay, pivots, residual(F, q, lambda, 0.0).natural, epsilon};
+    if (row < 0) return LcpStatus::kRay;
   }
-
   for (int i = 0; i < n; ++i) {
-    if (basis_[i] < n || basis_[i] >= z0) continue;
-    const int j = basis_[i] - n;
-    lambda[j] = std::max(tableau_(i, rhs), 0.0) * (scaled ? column_[j] : 1.0);
+    if (basis_[i] >= n && basis_[i] < z0) lambda[basis_[i] - n] = std::max(tableau_(i, rhs), 0.0);
   }
-  const double solved_residual = residual(F, q, lambda, epsilon).natural;
-  const double limit = kResidualTolerance * std::max(1.0, q.cwiseAbs().maxCoeff());
-  if (!(solved_residual <= limit)) {
-    lambda.setZero();
-    return {LcpStatus::kInaccurate, pivots, solved_residual, epsilon};
-  }
-  const double natural = epsilon > 0.0 ? residual(F, q, lambda, 0.0).natural : solved_residual;
-  return {LcpStatus::kSolved, pivots, natural, epsilon};
-}
-
-/// Factors that bring the geometric means of F's rows and columns near 1.
-void Lemke::equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& F) noexcept {
-  row_.setOnes();
-  column_.setOnes();
-  const auto factor = [&](int line, bool is_row) {
-    int sum = 0, count = 0;
-    for (int k = 0; k < size_; ++k) {
-      const int i = is_row ? line : k, j = is_row ? k : line;
-      const double entry = row_[i] * F(i, j) * column_[j];
-      if (entry == 0.0 || !std::isfinite(entry)) continue;
-      sum += std::ilogb(entry);
-      ++count;
-    }
-    return count > 0 ? std::ldexp(1.0, -sum / count) : 1.0;
-  };
-  for (int sweep = 0; sweep < 4; ++sweep) {
-    for (int i = 0; i < size_; ++i) row_[i] *= factor(i, true);
-    for (int j = 0; j < size_; ++j) column_[j] *= factor(j, false);
-  }
+  return LcpStatus::kSolved;
 }
 
 int Lemke::leaving_row(int entering) const noexcept {

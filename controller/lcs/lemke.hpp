@@ -4,57 +4,80 @@
 
 #include <Eigen/Core>
 
+#include "controller/lcs/acceptance.hpp"
+#include "controller/lcs/dictionary.hpp"
+
 namespace c3rt::lcs {
 
 enum class LcpStatus {
   kSolved,
   kRay,         // Lemke ended on a secondary ray: for many matrices, there is no solution
   kPivotLimit,  // more pivots than any contact problem needs
-  kInaccurate,  // a basis was found, but rounding spoilt it (see LcpReport::residual)
+  kInaccurate,  // wrong sizes, numbers that are not finite, or an answer that rounding spoilt
 };
 
 struct LcpReport {
   LcpStatus status;
   int pivots;       // of all attempts
-  double residual;  // max |min(λ, F λ + q)| of the unregularised problem
-  double epsilon;   // regularisation that was needed, 0 if none
+  double residual;  // max |min(λ, F λ + q)|
+  double epsilon;   // regularisation that led to the answer, 0 if none; it is not in the answer
 };
 
-/// Lemke's method with covering vector 1 for the linear complementarity problem LCP(q, F):
+/// Lemke's method for the linear complementarity problem LCP(q, F):
 ///
 ///   0 ≤ λ ⊥ F λ + q ≥ 0
 ///
-/// Ties are broken lexicographically, so degenerate problems do not cycle. Sizes are fixed by the
-/// constructor, which allocates; nothing else does.
+/// Ties are broken lexicographically, so degenerate problems do not cycle. An answer is delivered
+/// only if `miss` accepts it. Where the first attempt, with covering vector 1 and in double, has
+/// none, there are more, in numbers of 32 digits and with rows and columns of F of one size:
+///
+/// 1. F + ε I, ε = 1e-8 and 1e-6. With a copositive F, that of friction, it always has an answer.
+///    q − ε λ for q, as long as that helps, takes ε out of it (the proximal point method); else
+///    Lemke's method goes on from the answer's basis without ε.
+/// 2. ε = 0, from the basis without forces, with all of them, with those of the rows that are
+///    negative and from some others: what one covering vector misses, another finds.
+/// 3. Up to 8 rows: every basis.
+///
+/// Sizes are fixed by the constructor, which allocates; nothing else does. The number of attempts
+/// does not depend on time.
 class Lemke {
  public:
   explicit Lemke(int size);
 
   int size() const noexcept { return size_; }
 
-  /// Room of this size for a caller that computes q and has none of its own.
+  /// Room of this size for a caller that computes q and its terms and has none of its own.
   Eigen::VectorXd& q() noexcept { return q_; }
+  Eigen::VectorXd& terms() noexcept { return terms_; }
 
-  /// Overwrites `lambda` with the solution, or with zero unless the report says kSolved. Where the
-  /// problem as it is given has no answer that is exact in every row, beside the terms of that row,
-  /// it is tried again with rows and columns of F brought to the same size. With a wrong size or
-  /// numbers that are not finite, kInaccurate. RT: no heap, no lock, no throw.
+  /// Overwrites `lambda` with the solution, or with zero unless the report says kSolved. With a
+  /// wrong size or numbers that are not finite, kInaccurate.
+  /// @param terms what each entry of q was added up from, all positive: |c| + |E x| + |H u|
+  /// RT: no heap, no lock, no throw.
+  [[nodiscard]] LcpReport solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
+                                const Eigen::Ref<const Eigen::VectorXd>& q,
+                                const Eigen::Ref<const Eigen::VectorXd>& terms,
+                                Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+
+  /// The same for a q that is as given: its terms are |q|. RT: no heap, no lock, no throw.
   [[nodiscard]] LcpReport solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
                                 const Eigen::Ref<const Eigen::VectorXd>& q,
                                 Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
-  /// `solve`, and where it fails the same with F + ε I for ε = 1e-12, 1e-10 … 1e-2 times the
-  /// largest |F_ij|. The answer then solves the regularised problem; report.residual says how well
-  /// the given one. RT: no heap, no lock, no throw.
-  [[nodiscard]] LcpReport solve_regularised(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                                            const Eigen::Ref<const Eigen::VectorXd>& q,
-                                            Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
-
  private:
-  LcpReport attempt(const Eigen::Ref<const Eigen::MatrixXd>& F,
-                    const Eigen::Ref<const Eigen::VectorXd>& q, double epsilon, bool scaled,
-                    Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
-  void equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& F) noexcept;
+  struct Lcp;
+
+  LcpStatus attempt(const Lcp& lcp, int& pivots, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  void refine(const Lcp& lcp, const LcpMiss& missed, LcpReport& report,
+              Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  bool try_harder(const Lcp& lcp, LcpReport& report, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  bool try_regularised(const Lcp& lcp, double epsilon, LcpReport& report,
+                       Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  bool try_from(const Lcp& lcp, LcpReport& report, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  bool try_every_basis(const Lcp& lcp, LcpReport& report,
+                       Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  LcpMiss take(const Lcp& lcp, LcpReport& report,
+               Eigen::Ref<Eigen::VectorXd> lambda) const noexcept;
   int leaving_row(int entering) const noexcept;
   void pivot(int row, int entering) noexcept;
 
@@ -62,8 +85,12 @@ class Lemke {
   int size_;
   Tableau tableau_;         // [w | λ | z0 | q] (size × (2 size + 2)); the w columns hold B⁻¹
   std::vector<int> basis_;  // column that is basic in each row
-  Eigen::VectorXd q_, first_;
-  Eigen::VectorXd row_, column_;  // factors of equilibrate, powers of 2
+  Dictionary<DoubleDouble> dictionary_;
+  Dictionary<double> small_;  // of try_every_basis
+  Eigen::VectorXd q_, terms_, absolute_, first_;
+  Eigen::VectorXd row_, column_;         // R and C of equilibrate
+  std::vector<char> start_;              // λ that are basic at the start of an attempt
+  std::vector<DoubleDouble> right_side_;  // R (q − ε λ)
 };
 
 }  // namespace c3rt::lcs

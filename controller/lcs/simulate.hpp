@@ -14,7 +14,7 @@ struct SimulateReport {
   int steps;        // completed; the step of this index is the one that failed, unless ok()
   LcpReport lcp;    // of the last step tried
   double residual;  // largest LcpReport::residual of the completed steps
-  int regularised;  // completed steps whose LCP needed ε > 0
+  int regularised;  // completed steps whose LCP was solved by way of F + ε I
   bool ok() const noexcept { return lcp.status == LcpStatus::kSolved; }
 };
 
@@ -25,8 +25,8 @@ struct Simulation {
   SimulateReport report;
 };
 
-/// N = u.cols() steps of the system from x_0 with the inputs u (n_u × N), each LCP solved by the
-/// regularised Lemke method.
+/// N = u.cols() steps of the system from x_0 with the inputs u (n_u × N), each LCP solved by
+/// Lemke's method.
 /// @throws std::invalid_argument as `check`, and naming x_0 or u if its shape is wrong or if it is
 /// not finite
 [[nodiscard]] Simulation simulate(const Lcs& lcs, const Eigen::VectorXd& x_0,

@@ -318,6 +318,33 @@ TEST_CASE("LCP projection: state and input stay, the force is the LCP's") {
   REQUIRE(gap(lcs, sizes, delta).cwiseMin(sizes.lambda(delta)).cwiseAbs().maxCoeff() < 1e-9);
 }
 
+TEST_CASE("LCP projection: only the LCP's own answer is one, not that of F + ε I") {
+  // each gap is opened by the other force alone; λ = [1e12, 0] leaves one at −1
+  lcs::Lcs lcs;
+  lcs.A = MatrixXd::Identity(1, 1);
+  lcs.B = lcs.d = MatrixXd::Zero(1, 1);
+  lcs.D = MatrixXd::Zero(1, 2);
+  lcs.E = lcs.H = MatrixXd::Zero(2, 1);
+  const Sizes sizes{1, 2, 1, 1};
+  const auto projection = make_lcp_projection(sizes);
+  projection->set_weights(weighted_by(MatrixXd::Identity(4, 4)));
+  const VectorXd v = VectorXd::Zero(4);
+  VectorXd delta(4);
+  for (const double weak : {1.0, 0.1, 1e-3}) {
+    lcs.F = (MatrixXd(2, 2) << 0, 1, weak, 0).finished();
+    lcs.c = Eigen::Vector2d(-1, -weak);
+    projection->start(lcs);
+    REQUIRE(projection->project(v, delta, {}).status == ProjectionStatus::kSolved);
+    CHECK((sizes.lambda(delta) - Eigen::Vector2d(1, 1)).norm() < 1e-14);
+  }
+  // two rows that ask for opposite signs: no point, whatever ε has
+  lcs.F = (MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  lcs.c = Eigen::Vector2d(-1, 0.5);
+  projection->start(lcs);
+  CHECK(projection->project(v, delta, {}).status == ProjectionStatus::kNotFound);
+  CHECK(delta == v);
+}
+
 TEST_CASE("projections: NaN is a status, and delta is v then") {
   const Sizes sizes = rolling_ball::sizes();
   const lcs::Lcs lcs = rolling_ball::lcs(rolling_ball::state());

@@ -278,6 +278,37 @@ TEST_CASE("solver: an LCP's set that is empty is a failure of the projection") {
   CHECK(solution.failed_stage == 0);
 }
 
+TEST_CASE("solver: lambda_0 is the LCP's own answer, not that of F + ε I, or a failure") {
+  lcs::Lcs lcs;
+  lcs.A = lcs.B = MatrixXd::Identity(1, 1);
+  lcs.d = VectorXd::Zero(1);
+  lcs.D = MatrixXd::Ones(1, 2);
+  lcs.E = lcs.H = MatrixXd::Zero(2, 1);
+  lcs.F = (MatrixXd(2, 2) << 0, 1, 1, 0).finished();
+  lcs.c = -VectorXd::Ones(2);
+  Settings fixed = settings();
+  fixed.fix_lambda_0 = true;
+  fixed.projection = ProjectionKind::kPlus;
+  Solver c3({1, 2, 1, 3}, fixed);
+  Costs costs;
+  costs.Q_N = MatrixXd::Identity(1, 1);
+  costs.Q = costs.R = costs.Q_N;
+  costs.plus = {VectorXd::Ones(2), VectorXd::Ones(2), VectorXd::Ones(2), VectorXd::Ones(2)};
+  c3.set_costs(costs);
+  const VectorXd x0 = VectorXd::Ones(1);
+  const MatrixXd x_desired = MatrixXd::Zero(1, 4);
+  const Solution& solution = c3.solve(lcs, x0, x_desired);
+  REQUIRE(solution.status == SolveStatus::kOk);  // λ = [1, 1] is the only answer
+  CHECK(solution.z(1, 0) == Approx(1.0).epsilon(1e-12));
+  CHECK(solution.z(2, 0) == Approx(1.0).epsilon(1e-12));
+
+  lcs.F.setZero();  // 0 λ − 1 ≥ 0 never holds
+  check_failed(c3.solve(lcs, x0, x_desired), Failure::kLambda0);
+  lcs.F = (MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  lcs.c = Eigen::Vector2d(-1, 0.5);
+  check_failed(c3.solve(lcs, x0, x_desired), Failure::kLambda0);
+}
+
 TEST_CASE("solver: costs that cannot be used are refused and leave no half-set solver behind") {
   const Problem p = problem();
   Solver c3 = solver(settings());

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
@@ -127,9 +129,6 @@ TEST_CASE("lemke: where there is no solution it says ray and gives no forces") {
   REQUIRE(report.status == LcpStatus::kRay);
   REQUIRE(report.residual == Approx(2.0));
   REQUIRE(lambda.isZero());
-  const LcpReport regularised = lemke.solve_regularised(F, q, lambda);
-  REQUIRE(regularised.status == LcpStatus::kRay);
-  REQUIRE(lambda.isZero());
 }
 
 TEST_CASE("lemke: a ray over random matrices is never reported for a unique solution") {
@@ -157,23 +156,71 @@ TEST_CASE("lemke: a ray over random matrices is never reported for a unique solu
   REQUIRE(solved > 100);
 }
 
-TEST_CASE("lemke: the regularised method says which epsilon it needed, and 0 if none") {
+TEST_CASE("lemke: where every covering vector ends on a ray, another start finds the answer") {
+  // each gap is opened by the other force alone
+  const MatrixXd F = (MatrixXd(2, 2) << 0, 1, 1, 0).finished();
   Lemke lemke(2);
   VectorXd lambda(2);
-  const MatrixXd easy = MatrixXd::Identity(2, 2);
-  const Eigen::Vector2d q(-1, -1);
-  REQUIRE(lemke.solve_regularised(easy, q, lambda).epsilon == 0.0);
-  REQUIRE(lambda.isApprox(Eigen::Vector2d(1, 1)));
+  REQUIRE(lemke.solve(F, -VectorXd::Ones(2), lambda).status == LcpStatus::kSolved);
+  CHECK(lambda == Eigen::Vector2d(1, 1));
 
-  // two constraints that ask for opposite signs: no solution, but F + ε I has one for every ε > 0
+  const MatrixXd weak = (MatrixXd(2, 2) << 0, 1, 0.1, 0).finished();
+  REQUIRE(lemke.solve(weak, Eigen::Vector2d(-1, -0.1), lambda).status == LcpStatus::kSolved);
+  CHECK((lambda - Eigen::Vector2d(1, 1)).norm() < 1e-15);
+
+  // and of twelve rows, more than there are bases tried of
+  MatrixXd ring = MatrixXd::Zero(12, 12);
+  for (int i = 0; i < 12; ++i) ring(i, (i + 1) % 12) = 1.0 + i;
+  Lemke large(12);
+  VectorXd forces(12);
+  REQUIRE(large.solve(ring, -VectorXd::Ones(12), forces).status == LcpStatus::kSolved);
+  CHECK(residual(ring, -VectorXd::Ones(12), forces) < 1e-15);
+}
+
+TEST_CASE("lemke: a gap that no force opens, beside one that has a huge force for any ε > 0") {
+  Lemke one(1), two(2);
+  VectorXd lambda(1), forces(2);
+  CHECK(one.solve(MatrixXd::Zero(1, 1), -VectorXd::Ones(1), lambda).status != LcpStatus::kSolved);
+  CHECK(lambda.isZero(0.0));
+  // two rows that ask for opposite signs
   const MatrixXd F = (MatrixXd(2, 2) << 1, -1, -1, 1).finished();
-  const Eigen::Vector2d contradiction(-1.0, 0.5);
-  REQUIRE(lemke.solve(F, contradiction, lambda).status == LcpStatus::kRay);
-  const LcpReport report = lemke.solve_regularised(F, contradiction, lambda);
+  const LcpReport report = two.solve(F, Eigen::Vector2d(-1.0, 0.5), forces);
+  CHECK(report.status != LcpStatus::kSolved);
+  CHECK(report.epsilon == 0.0);
+  CHECK(forces.isZero(0.0));
+  // the same in units that make every entry large, or small
+  for (const double unit : {1e-12, 1e-6, 1e6, 1e12}) {
+    CHECK(two.solve(unit * F, Eigen::Vector2d(-1.0, 0.5), forces).status != LcpStatus::kSolved);
+    CHECK(two.solve(F, unit * Eigen::Vector2d(-1.0, 0.5), forces).status != LcpStatus::kSolved);
+  }
+}
+
+TEST_CASE("lemke: a plate on eight contacts, whose ratios all but tie") {
+  std::ifstream file(C3RT_SOURCE_DIRECTORY "/tests/data/lcp/plate_8_contacts.json");
+  const nlohmann::json plate = nlohmann::json::parse(file);
+  const auto n = static_cast<int>(plate.at("q").size());
+  REQUIRE(n == 48);
+  MatrixXd F = MatrixXd::Zero(n, n);
+  VectorXd q(n), lambda(n);
+  for (int i = 0; i < n; ++i) q[i] = plate.at("q")[static_cast<std::size_t>(i)].get<double>();
+  for (const auto& entry : plate.at("F"))
+    F(entry[0].get<int>(), entry[1].get<int>()) = entry[2].get<double>();
+  Lemke lemke(n);
+  const LcpReport report = lemke.solve(F, q, lambda);
   REQUIRE(report.status == LcpStatus::kSolved);
-  REQUIRE(report.epsilon > 0.0);
-  REQUIRE(report.residual > 0.1);  // and it does not hide that the given problem is not solved
-  REQUIRE(residual(F + report.epsilon * MatrixXd::Identity(2, 2), contradiction, lambda) < 1e-7);
+  CHECK(residual(F, q, lambda) < 1e-11);
+  CHECK(lambda.minCoeff() >= 0.0);
+}
+
+TEST_CASE("lemke: forces of 1e6 N beside gaps of 1e-6 m, exact in every row") {
+  // a press: stiffness 1e12 N/m, and a feather beside it
+  Lemke lemke(2);
+  VectorXd lambda(2);
+  const MatrixXd F = (MatrixXd(2, 2) << 1e-12, 0, 1e-13, 1e3).finished();
+  const Eigen::Vector2d q(-1e-6, -2e-7);
+  REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kSolved);
+  CHECK(lambda[0] == Approx(1e6));
+  CHECK(lambda[1] == Approx(1e-10));
 }
 
 TEST_CASE(
@@ -207,13 +254,13 @@ TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
   REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kInaccurate);
   REQUIRE(lambda.isZero());
   F(0, 1) = std::numeric_limits<double>::infinity();
-  REQUIRE(lemke.solve_regularised(F, Eigen::Vector2d(-1, -1), lambda).status ==
+  REQUIRE(lemke.solve(F, Eigen::Vector2d(-1, -1), lambda).status ==
           LcpStatus::kInaccurate);
   REQUIRE(lemke.solve(MatrixXd::Identity(3, 3), -VectorXd::Ones(3), lambda).status ==
           LcpStatus::kInaccurate);
 }
 
-TEST_CASE("lemke: it does not allocate, whether it solves or ends on a ray") {
+TEST_CASE("lemke: it does not allocate, whether it solves, at once or by any other way, or does not") {
   support::Random random(7);
   const MatrixXd F = p_matrix(random, 20), no_solution = -MatrixXd::Identity(20, 20);
   const VectorXd q = random.vector(20), negative = -VectorXd::Ones(20);
@@ -224,7 +271,7 @@ TEST_CASE("lemke: it does not allocate, whether it solves or ends on a ray") {
   {
     const support::AllocationCounter heap;
     solved = lemke.solve(F, q, lambda);
-    ray = lemke.solve_regularised(no_solution, negative, lambda);
+    ray = lemke.solve(no_solution, negative, lambda);
     heap_calls = heap.count();
   }
   REQUIRE(solved.status == LcpStatus::kSolved);

@@ -1,0 +1,208 @@
+// Random LCPs of every kind, checked by enumeration of all bases, and frictional contact with as many
+// ties as there can be.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+
+#include "controller/lcs/acceptance.hpp"
+#include "controller/lcs/lemke.hpp"
+#include "controller/lcs/simulate.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/resting_box.hpp"
+
+using namespace c3rt;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using lcs::LcpReport;
+using lcs::LcpStatus;
+using lcs::Lemke;
+using support::Random;
+
+namespace {
+
+using Wide = long double;
+using MatrixXw = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
+using VectorXw = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
+
+/// The largest |min(λ_i, y_i)|, each beside what it is made of: forces beside the largest in their
+/// units, gaps beside the terms of their row.
+double violation(const MatrixXd& F, const VectorXd& terms, const VectorXd& q, const VectorXd& lambda,
+                 const VectorXd& unit) {
+  const VectorXw force = lambda.cast<Wide>();
+  const VectorXw y = F.cast<Wide>() * force + q.cast<Wide>();
+  const Wide largest = (force.array() / unit.cast<Wide>().array()).maxCoeff();
+  Wide worst = -std::min(Wide(0), force.minCoeff());
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const Wide size = terms[i] + F.row(i).cwiseAbs().cast<Wide>().dot(unit.cast<Wide>()) * largest;
+    const Wide gap = size > 0 ? y[i] / size : y[i];
+    const Wide share = largest > 0 ? force[i] / unit[i] / largest : 0;
+    worst = std::max(worst, std::abs(std::min(share, gap)));
+  }
+  return static_cast<double>(worst);
+}
+
+/// Whether one of the 2^n bases, none of them nearly singular, is a solution.
+bool enumeration_solves(const MatrixXd& F, const VectorXd& q) {
+  const int n = static_cast<int>(q.size());
+  const MatrixXw F_wide = F.cast<Wide>();
+  const VectorXw q_wide = q.cast<Wide>();
+  for (int mode = 0; mode < (1 << n); ++mode) {
+    std::vector<int> support;
+    for (int i = 0; i < n; ++i) {
+      if (mode & (1 << i)) support.push_back(i);
+    }
+    VectorXw lambda = VectorXw::Zero(n);
+    if (!support.empty()) {
+      const Eigen::FullPivLU<MatrixXw> lu(F_wide(support, support));
+      const Wide smallest = lu.matrixLU().diagonal().cwiseAbs().minCoeff();
+      if (!(smallest > Wide(1e-6) * lu.maxPivot())) continue;
+      const VectorXw solution = lu.solve(-q_wide(support));
+      for (std::size_t i = 0; i < support.size(); ++i) lambda[support[i]] = solution[i];
+    }
+    if (lambda.minCoeff() >= -1e-15L && (F_wide * lambda + q_wide).minCoeff() >= -1e-15L) return true;
+  }
+  return false;
+}
+
+struct Lcp {
+  MatrixXd F;
+  VectorXd q;
+};
+
+/// Small whole numbers, in which ties, singular bases and rays are common.
+MatrixXd whole(Random& random, int rows, int cols) {
+  return MatrixXd::NullaryExpr(rows, cols, [&] { return double(random.index(5) - 2); });
+}
+
+Lcp random_lcp(Random& random, int kind, int n) {
+  const MatrixXd half = random.matrix(n, n), skew = random.matrix(n, n);
+  Lcp p{random.matrix(n, n), random.vector(n)};
+  switch (kind) {
+    case 0:  // P: one solution
+      p.F = half * half.transpose() + 0.1 * MatrixXd::Identity(n, n) + skew - skew.transpose();
+      break;
+    case 1: {  // positive semidefinite, singular, with a solution and ties
+      const MatrixXd tall = whole(random, n, 1 + n / 2);
+      p.F = tall * tall.transpose();
+      VectorXd lambda = whole(random, n, 1).cwiseMax(0.0);
+      p.q = -p.F * lambda;
+      for (int i = 0; i < n; ++i) p.q[i] += lambda[i] == 0.0 ? random.index(3) : 0;
+      break;
+    }
+    case 2: {  // copositive: not negative and positive semidefinite
+      p.F = half.cwiseAbs() + skew * skew.transpose();
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) p.F(i, j) *= random.index(3) == 0 && i != j ? 0.0 : 1.0;
+      }
+      break;
+    }
+    case 3: {  // forces in a ring: each gap is opened by the next force alone, so that covers end in rays
+      p.F.setZero();
+      for (int i = 0; i < n; ++i) p.F(i, (i + 1) % n) = 0.1 + std::abs(random.uniform());
+      p.q = -VectorXd::Ones(n).cwiseProduct(random.vector(n).cwiseAbs());
+      break;
+    }
+    case 4:  // a gap that nothing opens
+      p.F.row(0) = -p.F.row(0).cwiseAbs();
+      p.F.row(0) *= random.index(2);
+      p.q[0] = -std::abs(p.q[0]) - 0.01;
+      break;
+    case 5:  // two rows that contradict each other: with any ε there is an answer, and a huge one
+      p.F = half * half.transpose();
+      if (n > 1) {
+        p.F.row(1) = -p.F.row(0);
+        p.q[0] = -1.0;
+        p.q[1] = 0.5;
+      }
+      break;
+    case 6:
+      p.F = whole(random, n, n);
+      p.q = whole(random, n, 1);
+      break;
+    default:
+      break;
+  }
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("lemke property: what it calls solved is, and what enumeration solves it solves") {
+  int solved = 0, none = 0;
+  for (int i = 0; i < test::property_instances(); ++i) {
+    Random random(static_cast<unsigned>(i));
+    for (int kind = 0; kind < 8; ++kind) {
+      const int n = 1 + random.index(8);
+      const Lcp p = random_lcp(random, kind, n);
+      Lemke lemke(n);
+      VectorXd lambda(n);
+      const LcpReport report = lemke.solve(p.F, p.q, lambda);
+      CAPTURE(i, kind, n, p.F, p.q, lambda);
+      if (report.status == LcpStatus::kSolved) {
+        ++solved;
+        CHECK(violation(p.F, p.q.cwiseAbs(), p.q, lambda, VectorXd::Ones(n)) < 1e-11);
+      } else {
+        ++none;
+        CHECK_FALSE(enumeration_solves(p.F, p.q));
+        CHECK(lambda.isZero(0.0));
+      }
+    }
+  }
+  CHECK(solved > 3 * test::property_instances());
+  CHECK(none > test::property_instances());
+}
+
+TEST_CASE("lemke property: units of 1e-8 to 1e8 of every row and force change nothing") {
+  for (int i = 0; i < test::property_instances(); ++i) {
+    Random random(static_cast<unsigned>(i));
+    for (int kind = 0; kind < 8; ++kind) {
+      const int n = 1 + random.index(8);
+      const Lcp p = random_lcp(random, kind, n);
+      VectorXd row(n), unit(n), plain(n), scaled(n);
+      for (int k = 0; k < n; ++k) {
+        row[k] = std::ldexp(1.0, random.index(53) - 26);
+        unit[k] = std::ldexp(1.0, random.index(53) - 26);
+      }
+      Lemke lemke(n);
+      const bool solved = lemke.solve(p.F, p.q, plain).status == LcpStatus::kSolved;
+      const MatrixXd F = row.asDiagonal() * p.F * unit.asDiagonal();
+      const VectorXd q = row.cwiseProduct(p.q);
+      const LcpReport report = lemke.solve(F, q, scaled);
+      CAPTURE(i, kind, n, p.F, p.q);
+      CHECK((report.status == LcpStatus::kSolved) == solved);
+      if (report.status == LcpStatus::kSolved)
+        CHECK(violation(F, q.cwiseAbs(), q, scaled, unit.cwiseInverse()) < 1e-9);
+    }
+  }
+}
+
+TEST_CASE("lemke property: boxes on 4 to 10 corners, up to 64 rows, are all solved") {
+  int touching = 0;
+  for (int i = 0; i < test::property_instances(); ++i) {
+    Random random(static_cast<unsigned>(i));
+    const support::ContactLcp p = support::resting_box(random);
+    const auto n = static_cast<int>(p.q.size());
+    Lemke lemke(n);
+    VectorXd lambda(n);
+    const LcpReport report = lemke.solve(p.F, p.q, p.terms, lambda);
+    CAPTURE(i, n, report.pivots, report.residual);
+    CHECK(report.status == LcpStatus::kSolved);
+    CHECK(violation(p.F, p.terms, p.q, lambda, VectorXd::Ones(n)) < 1e-10);
+    touching += lambda.maxCoeff() > 0.0;
+  }
+  CHECK(touching > test::property_instances() / 2);
+}
+
+TEST_CASE("lemke property: a box goes on for 30 steps, whatever it does on its corners") {
+  for (int i = 0; i < std::max(1, test::property_instances() / 10); ++i) {
+    Random random(static_cast<unsigned>(i));
+    const support::ContactLcp p = support::resting_box(random);
+    const lcs::Simulation simulation = lcs::simulate(p.lcs, p.x, p.u.replicate(1, 30));
+    CAPTURE(i, simulation.report.steps, simulation.report.residual);
+    CHECK(simulation.report.ok());
+  }
+}
