@@ -15,8 +15,8 @@ namespace c3rt::lcs {
 ///
 /// Variables are numbered w_i = i, λ_i = n + i, z0 = 2 n. Only the columns of the others are held, so
 /// that an exchange costs half of one in a full tableau. `Number` is double, or DoubleDouble where
-/// the order of nearly equal ratios must not be rounding's. Sizes are fixed by the constructor, which
-/// allocates; nothing else does.
+/// the order of nearly equal ratios must not be rounding's; dictionary.cpp has these two. Sizes are
+/// fixed by the constructor, which allocates; nothing else does.
 template <typename Number>
 class Dictionary {
  public:
@@ -63,8 +63,5 @@ class Dictionary {
   std::vector<int> rows_, columns_;  // of exchanges that may have to be undone
   int pivots_ = 0;
 };
-
-extern template class Dictionary<double>;
-extern template class Dictionary<DoubleDouble>;
 
 }  // namespace c3rt::lcs
