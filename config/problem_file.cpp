@@ -161,8 +161,15 @@ void read_constraints(JsonReader& params, ProblemFile& p) {
   c.C = params.matrices("C", JsonReader::kAnyRows, p.sizes.n_z(), N);
   std::vector<Eigen::Index> rows;
   for (int k = 0; k < N; ++k) rows.push_back(c.C[k].rows());
-  c.C_min = params.bounds("Cmin", rows, -kInfinity);
-  c.C_max = params.bounds("Cmax", rows, kInfinity);
+  // where one side has no bounds they are infinite, row by row
+  const auto side = [&](const char* key, double none) -> c3::PerStage<VectorXd> {
+    if (params.has(key) && !params.at(key).is_null()) return params.bounds(key, rows, none);
+    std::vector<VectorXd> all;
+    for (const Eigen::Index n : rows) all.push_back(VectorXd::Constant(n, none));
+    return all;
+  };
+  c.C_min = side("Cmin", -kInfinity);
+  c.C_max = side("Cmax", kInfinity);
 }
 
 MatrixXd read_desired(JsonReader& params, const c3::Sizes& sizes) {

@@ -84,8 +84,9 @@ TEST_CASE("solve: an answer is pure JSON on standard output, with the keys of th
   CHECK(outcome.status == 0);
   const Json result = Json::parse(outcome.output);
   CHECK(keys(result) == std::vector<std::string>{"complementarity_violation", "iterations", "lam",
-                                                 "objective", "schema", "solve_time_s", "status",
-                                                 "u", "u0", "x"});
+                                                 "objective", "qp_dual_residual",
+                                                 "qp_primal_residual", "schema", "solve_time_s",
+                                                 "status", "u", "u0", "x"});
   CHECK(result["schema"] == "c3-result-1");
   CHECK(result["status"] == "ok");
   CHECK(result["solve_time_s"] > 0.0);

@@ -180,6 +180,9 @@ TEST_CASE("problem file: rows C z and lambda have bounds, one list or one a stag
   CHECK(p.constraints.C_min[0] == Eigen::Vector2d(-1, -kInfinity));
   CHECK(p.constraints.C_max[0] == Eigen::Vector2d(kInfinity, 3));
 
+  json["params"].erase("Cmin");
+  CHECK(read(json).constraints.C_min[2] == Eigen::Vector2d(-kInfinity, -kInfinity));
+
   // as many rows as each stage has, none too
   json["params"].update({{"C", Json::parse("[[[1, 0, 2]], [], [[0, 1, 0], [0, 0, 1]]]")},
                          {"Cmin", Json::parse("[[0], [], [1, null]]")},
@@ -513,6 +516,8 @@ TEST_CASE("problem file: a result has exactly the keys of its schema") {
                                   "iterations",
                                   "lam",
                                   "objective",
+                                  "qp_dual_residual",
+                                  "qp_primal_residual",
                                   "schema",
                                   "solve_time_s",
                                   "status",
