@@ -68,16 +68,16 @@ class DirectQp final : public QpStep {
     started_ = true;
     sizes_.x(z.col(0)) = x0;
     if (lambda_0_ != nullptr) sizes_.lambda(z.col(0)) = *lambda_0_;
-    double primal = riccati_.defects(z, x_N, defect_);
-    QpCost::Terms terms = cost_.gradient(z, x_N, gradient_, gradient_N_);
+    riccati_.defects(z, x_N, defect_);
+    cost_.gradient(z, x_N, gradient_, gradient_N_);
     double change = 0.0;
     int refinements = -1;  // the first step is the solution, those after it refine
     while (refinements < kMaxRefinements) {
       riccati_.step(gradient_, gradient_N_, defect_, step_, step_N_);
       z += step_;
       x_N += step_N_;
-      primal = riccati_.defects(z, x_N, defect_);
-      terms = cost_.gradient(z, x_N, gradient_, gradient_N_);
+      riccati_.defects(z, x_N, defect_);
+      cost_.gradient(z, x_N, gradient_, gradient_N_);
       ++refinements;
       const double previous = change;
       change = relative_step(sizes_, step_, z);
@@ -86,14 +86,18 @@ class DirectQp final : public QpStep {
       if (change * change <= kConverged * previous || !(change <= 0.25 * previous)) break;
     }
     const Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z);
-    const double dual = relative(found, terms, riccati_.largest_gain());
+    const double primal = riccati_.relative_defect(z, x_N, defect_);
+    const double dual =
+        relative(found, cost_.terms(gradient_, gradient_N_), riccati_.largest_gain());
     QpStatus status = QpStatus::kNotConverged;
     // a NaN anywhere must not look solved
     if (primal <= kConsistent && dual <= kAcceptable && change <= kSettled) {
       status = QpStatus::kSolved;
     }
     if (!(found.unknown <= kKnown)) status = QpStatus::kNotFactorable;
-    if (!z.allFinite() || !x_N.allFinite()) status = QpStatus::kNotFactorable;
+    if (status != QpStatus::kSolved && !(z.allFinite() && x_N.allFinite())) {
+      status = QpStatus::kNotFactorable;
+    }
     return {status, refinements, primal, dual};
   }
 

@@ -114,10 +114,30 @@ C3RT_WIDE void add_product(int rows, const double* X, Columns S, int first, int 
   }
 }
 
-void transpose(int rows, int cols, const double* X, double* Y) noexcept {
-  const int ld_X = padded(rows), ld_Y = padded(cols);
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < cols; ++i) Y[j * ld_Y + i] = X[i * ld_X + j];
+C3RT_WIDE void transpose(int rows, int cols, const double* X, double* Y) noexcept {
+  const int ld_X = padded(rows), ld_Y = padded(cols), whole = cols / 4 * 4;
+  for (int j = 0; j < rows; j += 4) {  // X is padded, Y has `rows` columns
+    for (int i = 0; i < whole; i += 4) {
+      const double* x = X + i * ld_X + j;
+      const Four a = *reinterpret_cast<const FourAnywhere*>(x);
+      const Four b = *reinterpret_cast<const FourAnywhere*>(x + ld_X);
+      const Four c = *reinterpret_cast<const FourAnywhere*>(x + 2 * ld_X);
+      const Four d = *reinterpret_cast<const FourAnywhere*>(x + 3 * ld_X);
+      const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+      const Four ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+      const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+      const Four cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      const Four row[4] = {__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5),
+                           __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5),
+                           __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7),
+                           __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7)};
+      for (int m = 0; m < 4 && j + m < rows; ++m) {
+        *reinterpret_cast<FourAnywhere*>(Y + (j + m) * ld_Y + i) = row[m];
+      }
+    }
+    for (int i = whole; i < cols; ++i) {
+      for (int m = j; m < j + 4 && m < rows; ++m) Y[m * ld_Y + i] = X[i * ld_X + m];
+    }
   }
 }
 
@@ -183,6 +203,24 @@ C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const do
     }
     c[j] -= (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
+}
+
+C3RT_WIDE double largest(int n, const double* v) noexcept {
+  // 0 v is 0, or NaN
+  Four most = {0.0, 0.0, 0.0, 0.0}, zero = most;
+  const int whole = n / 4 * 4;
+  for (int i = 0; i < whole; i += 4) {
+    const Four x = *reinterpret_cast<const FourAnywhere*>(v + i);
+    const Four size = x < 0.0 ? -x : x;
+    most = size > most ? size : most;
+    zero += 0.0 * x;
+  }
+  for (int i = whole; i < n; ++i) {
+    most[0] = std::max(most[0], std::abs(v[i]));
+    zero[0] += 0.0 * v[i];
+  }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3])) +
+         ((zero[0] + zero[1]) + (zero[2] + zero[3]));
 }
 
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {

@@ -42,6 +42,9 @@ void subtract_transposed(int rows, int cols, const double* X, const double* y, d
 /// y −= X c, X (rows × cols), y padded.
 void subtract_columns(int rows, int cols, const double* X, const double* c, double* y) noexcept;
 
+/// The largest |v_i|, nothing padded; NaN if one is not finite.
+double largest(int n, const double* v) noexcept;
+
 /// L⁻¹ y in place.
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept;
 

@@ -49,30 +49,32 @@ void QpCost::aim(const Eigen::Ref<const MatrixXd>& x_desired,
   kernels::add_columns(n_x, n_x, Q_N_.data(), n_x, x_desired.col(sizes_.N).data(), h_N_.data());
 }
 
-QpCost::Terms QpCost::gradient(const Eigen::Ref<const MatrixXd>& z,
-                               const Eigen::Ref<const VectorXd>& x_N, MatrixXd& gradient,
-                               VectorXd& gradient_N) const noexcept {
+void QpCost::gradient(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
+                      MatrixXd& gradient, VectorXd& gradient_N) const noexcept {
   const int n_x = sizes_.n_x, n_z = sizes_.n_z();
   gradient.setZero();
-  Terms largest{0.0, 0.0};
   for (int k = 0; k < sizes_.N; ++k) {
     const MatrixXd& H = H_[k * stride_];
     kernels::add_columns(n_z, n_z, H.data(), n_z, z.col(k).data(), gradient.col(k).data());
-    const double *own = gradient.col(k).data(), *linear = h_.col(k).data();
-    for (int i = 0; i < n_x; ++i) {
-      largest.state = std::max({largest.state, std::abs(own[i]), std::abs(linear[i])});
-    }
-    for (int i = n_x; i < n_z; ++i) {
-      largest.input = std::max({largest.input, std::abs(own[i]), std::abs(linear[i])});
-    }
   }
   gradient -= h_;
   gradient_N.setZero();
   kernels::add_columns(n_x, n_x, Q_N_.data(), n_x, x_N.data(), gradient_N.data());
-  for (int i = 0; i < n_x; ++i) {
-    largest.state = std::max({largest.state, std::abs(gradient_N[i]), std::abs(h_N_[i])});
-  }
   gradient_N -= h_N_;
+}
+
+QpCost::Terms QpCost::terms(const MatrixXd& gradient, const VectorXd& gradient_N) const noexcept {
+  const int n_x = sizes_.n_x, n_nu = sizes_.n_z() - n_x;
+  Terms largest{std::max(kernels::largest(n_x, gradient_N.data()),
+                         kernels::largest(n_x, h_N_.data())),
+                0.0};
+  for (int k = 0; k < sizes_.N; ++k) {
+    const double *own = gradient.col(k).data(), *linear = h_.col(k).data();
+    largest.state = std::max(
+        {largest.state, kernels::largest(n_x, own), kernels::largest(n_x, linear)});
+    largest.input = std::max({largest.input, kernels::largest(n_nu, own + n_x),
+                              kernels::largest(n_nu, linear + n_x)});
+  }
   return largest;
 }
 

@@ -32,10 +32,12 @@ class QpCost {
   struct Terms {
     double state, input;
   };
+  /// Of a gradient that `gradient` gave, within a factor of 2. RT.
+  Terms terms(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N) const noexcept;
   /// H z − h, in z (n_z × N) and x_N. RT.
-  Terms gradient(const Eigen::Ref<const Eigen::MatrixXd>& z,
-                  const Eigen::Ref<const Eigen::VectorXd>& x_N, Eigen::MatrixXd& gradient,
-                  Eigen::VectorXd& gradient_N) const noexcept;
+  void gradient(const Eigen::Ref<const Eigen::MatrixXd>& z,
+                const Eigen::Ref<const Eigen::VectorXd>& x_N, Eigen::MatrixXd& gradient,
+                Eigen::VectorXd& gradient_N) const noexcept;
 
  private:
   Sizes sizes_;

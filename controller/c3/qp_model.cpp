@@ -98,17 +98,23 @@ void QpModel::measure(VectorXd& compliance) noexcept {
   }
 }
 
-QpCost::Terms QpModel::differentiate(const VectorXd& multiplier) noexcept {
+void QpModel::differentiate(const VectorXd& multiplier) noexcept {
   riccati_.defects(z_, x_N_, defect_);
-  const QpCost::Terms terms = cost_.gradient(z_, x_N_, gradient_, gradient_N_);
+  cost_.gradient(z_, x_N_, gradient_, gradient_N_);
+  subtract_rows(multiplier);
+}
+
+/// Of the gradient.
+void QpModel::subtract_rows(const VectorXd& multiplier) noexcept {
   for (int i = 0; i < rows_.count(); ++i) {
     if (multiplier[i] != 0.0) rows_.add(i, -multiplier[i], gradient_, gradient_N_);
   }
-  return terms;
 }
 
 double QpModel::stationarity(const VectorXd& multiplier) noexcept {
-  const QpCost::Terms terms = differentiate(multiplier);
+  cost_.gradient(z_, x_N_, gradient_, gradient_N_);
+  const QpCost::Terms terms = cost_.terms(gradient_, gradient_N_);
+  subtract_rows(multiplier);
   double input_scale = 0.0;
   for (int i = 0; i < rows_.count(); ++i) {
     input_scale = std::max(input_scale, std::abs(multiplier[i]));
@@ -119,7 +125,10 @@ double QpModel::stationarity(const VectorXd& multiplier) noexcept {
   return relative(found, terms, riccati_.largest_gain());
 }
 
-double QpModel::inconsistency() noexcept { return riccati_.defects(z_, x_N_, defect_); }
+double QpModel::inconsistency() noexcept {
+  riccati_.defects(z_, x_N_, defect_);
+  return riccati_.relative_defect(z_, x_N_, defect_);
+}
 
 double QpModel::violation() const noexcept {
   const int n_x = sizes_.n_x, n_lambda = sizes_.n_lambda;

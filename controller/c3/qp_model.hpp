@@ -40,9 +40,8 @@ class QpModel {
   [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
   /// Fills `compliance` of the rows (see Riccati::compliance), never zero. RT.
   void measure(Eigen::VectorXd& compliance) noexcept;
-  /// Keeps the gradient H z − h − Σ m a and the defects of this point, and returns the largest terms
-  /// of the gradient. RT.
-  QpCost::Terms differentiate(const Eigen::VectorXd& multiplier) noexcept;
+  /// Keeps the gradient H z − h − Σ m a and the defects of this point. RT.
+  void differentiate(const Eigen::VectorXd& multiplier) noexcept;
   /// What stationarity and the dynamics are missed by, each beside its terms; infinity where
   /// rounding leaves λ and u no digits. RT.
   double stationarity(const Eigen::VectorXd& multiplier) noexcept;
@@ -67,6 +66,7 @@ class QpModel {
 
  private:
   void evaluate() noexcept;
+  void subtract_rows(const Eigen::VectorXd& multiplier) noexcept;
   void step(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
             const Eigen::MatrixXd& defect, const Eigen::VectorXd& extra) noexcept;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace c3rt::c3 {
 namespace {
@@ -13,6 +12,7 @@ using Eigen::VectorXd;
 constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where Cholesky breaks down
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
+constexpr double kRounding = 2.2e-16;
 constexpr double kOwn = 1e-6;  // share of a gradient's own terms that counts as its scale
 constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
 
@@ -108,7 +108,6 @@ Riccati::Riccati(const Sizes& sizes)
     stage.T.assign(ld_x * n_nu, 0.0);
     stage.P_next.assign(ld_x * n_x, 0.0);
     stage.kappa.assign(ld_nu, 0.0);
-    stage.R_diagonal.assign(ld_nu, 0.0);
   }
   PA_.assign(ld_x * n_x, 0.0);
   AP_ = PA_;
@@ -180,7 +179,6 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) no
   add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
   kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
   Stage& stage = stages_[k];
-  for (int j = 0; j < n; ++j) stage.R_diagonal[j] = R_[j * ld + j];
   if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
   double shift = 0.0;
   for (int j = 0; j < n; ++j) shift = std::max(shift, kFirstShift * R_[j * ld + j]);
@@ -214,25 +212,35 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares)
   }
 }
 
-double Riccati::defects(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
-                        MatrixXd& defect) const noexcept {
+void Riccati::defects(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
+                      MatrixXd& defect) const noexcept {
   const int n_x = sizes_.n_x;
-  double worst = 0.0;
   for (int k = 0; k < sizes_.N; ++k) {
     const double* z_k = z.col(k).data();
     const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    const double* d = lcs_[k].d.data();
     double* out = defect.col(k).data();
-    double largest = 0.0, scale = 0.0;
-    for (int i = 0; i < n_x; ++i) out[i] = -lcs_[k].d.data()[i];
+    for (int i = 0; i < n_x; ++i) out[i] = -d[i];
     subtract_product(system(k).A.columns(), 0, n_x, z_k, out);
-    for (int i = 0; i < n_x; ++i) scale = larger(scale, std::abs(out[i]));
     subtract_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, out);
-    for (int i = 0; i < n_x; ++i) {
-      scale = larger(scale, std::abs(next[i]));
-      out[i] += next[i];
-      largest = larger(largest, std::abs(out[i]));
-    }
-    if (largest != 0.0) worst = larger(worst, largest / scale);
+    for (int i = 0; i < n_x; ++i) out[i] += next[i];
+  }
+}
+
+double Riccati::relative_defect(const Eigen::Ref<const MatrixXd>& z,
+                                const Eigen::Ref<const VectorXd>& x_N,
+                                const MatrixXd& defect) noexcept {
+  const int n_x = sizes_.n_x;
+  double worst = 0.0;
+  for (int k = 0; k < sizes_.N; ++k) {
+    const double largest = kernels::largest(n_x, defect.col(k).data());
+    if (largest == 0.0) continue;
+    std::copy_n(lcs_[k].d.data(), n_x, x_.data());
+    add_product(system(k).A.columns(), 0, n_x, z.col(k).data(), x_.data());
+    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    const double scale =
+        std::max(kernels::largest(n_x, x_.data()), kernels::largest(n_x, next));
+    worst = larger(worst, largest / scale);
   }
   return worst;
 }
@@ -260,11 +268,7 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
       for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
     }
     const kernels::Columns B_hat = system(k).B_hat.columns();
-    double size[2] = {1.0, 1.0}, unknown[2] = {0.0, 0.0};  // of λ, of u
-    for (int i = 0; i < n_nu_ && z != nullptr; ++i) {
-      double& kind = size[i < sizes_.n_lambda ? 0 : 1];
-      kind = std::max(kind, std::abs(z[k * sizes_.n_z() + n_x + i]));
-    }
+    double unknown[2] = {0.0, 0.0};  // of λ, of u
     for (int i = 0; i < n; ++i) {
       double sum = 0.0, terms = 0.0;
       for (int e = B_hat.start[begin + i]; e < B_hat.start[begin + i + 1]; ++e) {
@@ -273,32 +277,39 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
         terms += std::abs(term);
       }
       nu_[i] = sum;
+      // an entry of R̂⁻¹ is at least this
       double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
-      kind = larger(kind, std::numeric_limits<double>::epsilon() * terms / stage.R_diagonal[i]);
+      kind = std::max(kind, terms * stage.L_inverse[i] * stage.L_inverse[i]);
     }
-    for (int kind : {0, 1}) found.unknown = larger(found.unknown, unknown[kind] / size[kind]);
     std::fill(nu_.begin() + n, nu_.end(), 0.0);
-    for (int i = 0; i < n; ++i) {
-      const double own = g[n_x + begin + i];
-      found.input_scale = larger(larger(found.input_scale, std::abs(nu_[i])), std::abs(own));
-      nu_[i] += own;
-      found.input = larger(found.input, std::abs(nu_[i]));
-      found.input_sum += std::abs(nu_[i]);
+    const double scale = std::max(kernels::largest(n, nu_.data()),
+                                  kernels::largest(n, g + n_x + begin));
+    found.input_scale = larger(found.input_scale, scale);
+    for (int i = 0; i < n; ++i) nu_[i] += g[n_x + begin + i];
+    found.input = larger(found.input, kernels::largest(n, nu_.data()));
+    if (z != nullptr) {
+      const double* nu = z + k * sizes_.n_z() + n_x;
+      const int n_lambda = sizes_.n_lambda;
+      found.unknown = std::max(
+          {found.unknown, kRounding * unknown[0] / std::max(1.0, kernels::largest(n_lambda, nu)),
+           kRounding * unknown[1] /
+               std::max(1.0, kernels::largest(sizes_.n_u, nu + n_lambda))});
+    } else {
+      for (int i = 0; i < n; ++i) found.input_sum += std::abs(nu_[i]);
     }
     if (k == 0) break;
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
     std::fill(p_next_.begin(), p_next_.end(), 0.0);
     add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
-    for (int i = 0; i < n_x; ++i) {
-      found.state_scale = larger(larger(found.state_scale, std::abs(p_next_[i])), std::abs(g[i]));
-      p_next_[i] += g[i];
-    }
+    found.state_scale =
+        larger(found.state_scale,
+               std::max(kernels::largest(n_x, p_next_.data()), kernels::largest(n_x, g)));
     std::fill(x_.begin(), x_.end(), 0.0);
     kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
-    for (int i = 0; i < n_x; ++i) {
-      found.state = larger(found.state, std::abs(x_[i]));
-      found.state_sum += std::abs(x_[i]);
-      p_next_[i] += x_[i];
+    found.state = larger(found.state, kernels::largest(n_x, x_.data()));
+    for (int i = 0; i < n_x; ++i) p_next_[i] += g[i] + x_[i];
+    if (z == nullptr) {
+      for (int i = 0; i < n_x; ++i) found.state_sum += std::abs(x_[i]);
     }
     p_.swap(p_next_);
   }

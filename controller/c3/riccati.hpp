@@ -68,11 +68,14 @@ class Riccati {
   /// Largest entry of B̂ by size.
   double largest_gain() const noexcept { return largest_gain_; }
 
-  /// What x_{k+1} of a point has beyond A x_k + B̂ ν_k + d, into column k (n_x × N). Returns the
-  /// largest beside the largest term of its stage; NaN if one is. RT.
-  double defects(const Eigen::Ref<const Eigen::MatrixXd>& z,
-                 const Eigen::Ref<const Eigen::VectorXd>& x_N,
-                 Eigen::MatrixXd& defect) const noexcept;
+  /// What x_{k+1} of a point has beyond A x_k + B̂ ν_k + d, into column k (n_x × N). RT.
+  void defects(const Eigen::Ref<const Eigen::MatrixXd>& z,
+               const Eigen::Ref<const Eigen::VectorXd>& x_N,
+               Eigen::MatrixXd& defect) const noexcept;
+  /// The largest of these defects beside the largest term of its stage; NaN if one is. RT.
+  double relative_defect(const Eigen::Ref<const Eigen::MatrixXd>& z,
+                         const Eigen::Ref<const Eigen::VectorXd>& x_N,
+                         const Eigen::MatrixXd& defect) noexcept;
 
   /// How far a gradient in z and x_N is from zero once multipliers p_1 … p_N of the dynamics are
   /// added: g_ν + B̂ᵀ p_{k+1} in the inputs, g_x + Aᵀ p_{k+1} − p_k in the states. The multipliers
@@ -124,7 +127,6 @@ class Riccati {
     std::vector<double> T;             // (L⁻¹ S)ᵀ, S = H_νx + B̂ᵀ P A    (n_x × n_nu)
     std::vector<double> P_next;        // of the cost-to-go behind this stage    (n_x × n_x)
     std::vector<double> kappa;         // L⁻¹ (gradient of ν)
-    std::vector<double> R_diagonal;    // of R̂
   };
 
   const System& system(int k) const noexcept { return systems_[k * lcs_.stride]; }

@@ -85,7 +85,8 @@ TEST_CASE(
     const MatrixXd z = random.matrix(s.n_z(), s.N);
     const VectorXd x_N = random.vector(s.n_x);
     MatrixXd defect(s.n_x, s.N), along = MatrixXd::Zero(s.n_z(), s.N);
-    REQUIRE(riccati.defects(z, x_N, defect) > 0.1);
+    riccati.defects(z, x_N, defect);
+    CHECK(riccati.relative_defect(z, x_N, defect) > 0.1);
     VectorXd x = VectorXd::Zero(s.n_x);
     for (int k = 0; k < s.N; ++k) {
       s.x(along.col(k)) = x;
@@ -274,6 +275,15 @@ TEST_CASE(
     for (int j = 0; j < n; ++j) plain.head(rows) -= c[j] * X.col(j).head(rows);
     kernels::subtract_columns(rows, n, X.data(), c.data(), got.data());
     CHECK(got.head(rows) == plain.head(rows));
+    CHECK(kernels::largest(rows, y.data()) == y.head(rows).cwiseAbs().maxCoeff());
+    VectorXd broken = y;
+    for (const double bad : {std::nan(""), HUGE_VAL}) {
+      broken[random.index(rows)] = bad;
+      CHECK(std::isnan(kernels::largest(rows, broken.data())));
+    }
+    MatrixXd turned = MatrixXd::Zero(ld_L, rows);
+    kernels::transpose(rows, n, X.data(), turned.data());
+    CHECK(turned.topRows(n) == X.topRows(rows).transpose());
 
     plain = got = y;
     for (int j = 0; j < n; ++j) plain.head(rows) += c[j] * X.col(j).head(rows);
@@ -330,6 +340,7 @@ TEST_CASE("Riccati: start, factor and step do not allocate") {
   riccati.start({p.lcs.data(), 1}, true);
   const bool factored = riccati.factor({H.data(), 1}, p.costs.Q_N);
   riccati.defects(gradient, gradient_N, defect);
+  const double inconsistency = riccati.relative_defect(gradient, gradient_N, defect);
   riccati.step(gradient, gradient_N, defect, step, step_N);
   const double compliance = riccati.compliance(p.sizes.N, gradient_N);
   const double left = riccati.stationarity(gradient, gradient_N, gradient).input;
@@ -337,5 +348,6 @@ TEST_CASE("Riccati: start, factor and step do not allocate") {
   REQUIRE(factored);
   REQUIRE(compliance > 0.0);
   REQUIRE(left > 0.0);
+  REQUIRE(inconsistency > 0.0);
   REQUIRE(calls == 0);
 }
