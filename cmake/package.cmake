@@ -69,7 +69,7 @@ function(c3rt_export room)
     include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")" COMPONENT library)
 endfunction()
 
-c3rt_export(lcs HEADERS lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
+c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
 c3rt_export(c3 HEADERS deadline.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
 c3rt_export(horizon HEADERS condensed.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
