@@ -79,20 +79,26 @@ void equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& F,
   const auto root = [](double largest) {  // 2^k near √largest
     return largest > 0.0 ? std::ldexp(1.0, (std::ilogb(largest) + 1) / 2) : 1.0;
   };
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  bool changed = true;
+  for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
+    changed = false;
+    const auto divide = [&](double& factor, double by) {
+      factor /= by;
+      changed |= by != 1.0;
+    };
     double largest_term = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
       double largest = terms[i] * of_terms;
       for (Eigen::Index j = 0; j < n; ++j) largest = std::max(largest, std::abs(F(i, j)) * C[j]);
-      R[i] /= root(R[i] * largest);
+      divide(R[i], root(R[i] * largest));
       largest_term = std::max(largest_term, R[i] * terms[i] * of_terms);
     }
     for (Eigen::Index j = 0; j < n; ++j) {
       double largest = 0.0;
       for (Eigen::Index i = 0; i < n; ++i) largest = std::max(largest, R[i] * std::abs(F(i, j)));
-      C[j] /= root(largest * C[j]);
+      divide(C[j], root(largest * C[j]));
     }
-    of_terms /= root(largest_term);
+    divide(of_terms, root(largest_term));
   }
 }
 
