@@ -97,7 +97,7 @@ const Eigen::MatrixXd* MonolithicController::decide(const lcs::Lcs& lcs, const E
   const horizon::SearchResult result =
       horizon::search(problem, {}, first_plan(problem, lcs, t), {&is_late, this});
   gaps_.push_back(result.plan ? result.gap : kNone);
-  proven_ += result.is_proven ? 1 : 0;
+  proven_ += result.is_proven() ? 1 : 0;
   last_.clear();
   if (!result.plan) return nullptr;
   last_ = horizon::modes(problem, *result.plan);

@@ -186,7 +186,7 @@ MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
     double end = began + limit;
     const horizon::SearchResult result = horizon::search(problem, {}, known, {&is_late, &end});
     answers.times.push_back(seconds_now() - began);
-    answers.proven += result.is_proven ? 1 : 0;
+    answers.proven += result.is_proven() ? 1 : 0;
     answers.costs.push_back(kNone);
     // its inputs are judged as C3's are: what the system does with them, not what the plan says
     if (!result.plan) continue;

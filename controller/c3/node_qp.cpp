@@ -95,7 +95,10 @@ NodeQp::Status NodeQp::solve(const Eigen::MatrixXd& C, const Eigen::VectorXd& t,
         }
       }
       const double length = std::min(to_zero, to_block);
-      if (length == kInfinity) return Status::kInfeasible;
+      if (length == kInfinity) {
+        contradicted_ = p;
+        return Status::kInfeasible;
+      }
       mu_[p] += sign * length;
       for (int i = 0; i < n_active_; ++i) mu_[active_[i]] -= sign * length * r_[i];
       if (!dependent) {
@@ -123,6 +126,47 @@ void NodeQp::refine(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept
   }
   f_.noalias() += Q_.leftCols(n_active_) * l_.head(n_active_);
   update_s(C, t);
+}
+
+void NodeQp::restart(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept {
+  mu_.setZero();
+  while (true) {
+    auto mu = l_.head(n_active_);
+    for (int i = 0; i < n_active_; ++i) mu[i] = t[active_[i]];
+    multipliers(mu);
+    int leaving = -1;
+    double lowest = 0.0;
+    for (int i = 0; i < n_active_; ++i) {
+      if (pinned_[active_[i]] || mu[i] >= lowest) continue;
+      lowest = mu[i];
+      leaving = i;
+    }
+    if (leaving < 0) break;
+    remove(leaving);
+  }
+  f_.setZero();
+  for (int i = 0; i < n_active_; ++i) {
+    mu_[active_[i]] = l_[i];
+    f_ += l_[i] * C.col(active_[i]);
+  }
+  refine(C, t);
+}
+
+void NodeQp::multipliers(Eigen::Ref<Eigen::VectorXd> t) const noexcept {
+  t = -t;
+  const auto L = L_.topLeftCorner(n_active_, n_active_).triangularView<Eigen::Lower>();
+  L.solveInPlace(t);
+  L.transpose().solveInPlace(t);
+}
+
+Eigen::VectorXd NodeQp::against(Eigen::VectorXd s) const {
+  s = -s;
+  L_.topLeftCorner(n_active_, n_active_).triangularView<Eigen::Lower>().solveInPlace(s);
+  return Q_.leftCols(n_active_) * s;
+}
+
+NodeQp::Contradiction NodeQp::contradiction() const noexcept {
+  return {std::abs(s_[contradicted_]), 1.0 + r_.head(n_active_).lpNorm<1>(), z_};
 }
 
 double NodeQp::split(const Eigen::MatrixXd& C, int p) noexcept {

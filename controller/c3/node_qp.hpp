@@ -38,12 +38,35 @@ class NodeQp {
   /// them has accumulated. RT: no heap, no lock, no throw.
   void refine(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept;
 
+  /// Goes on with another t: the active constraints stay at zero, those that would have to be pushed
+  /// below it leave. `solve` may follow. RT: no heap, no lock, no throw.
+  void restart(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept;
+
   /// Copies what `solve` needs, nothing more.
   void copy_from(const NodeQp& other) noexcept;
 
   const Eigen::VectorXd& f() const noexcept { return f_; }
   const Eigen::VectorXd& s() const noexcept { return s_; }
   double objective() const noexcept { return 0.5 * f_.squaredNorm(); }
+  bool is_pinned(int i) const noexcept { return pinned_[i] != 0; }
+
+  /// The constraints held at zero, in the order of what follows.
+  int n_active() const noexcept { return n_active_; }
+  int active(int i) const noexcept { return active_[i]; }
+  /// Turns t of the active constraints into the multipliers that bring these to zero.
+  void multipliers(Eigen::Ref<Eigen::VectorXd> t) const noexcept;
+  /// The smallest f that moves the active s by −`s`.
+  Eigen::VectorXd against(Eigen::VectorXd s) const;
+
+  /// After kInfeasible: the constraint that cannot be met, and a combination of it (with 1) and of the
+  /// active ones (with −r) that is at least zero wherever these hold, but −|s_p| at f and, C having
+  /// nearly nothing along it, almost everywhere: it changes with f by `normal` only.
+  struct Contradiction {
+    double violation;               // |s_p|
+    double weight;                  // 1 + Σ|r|
+    const Eigen::VectorXd& normal;  // of length ≪ 1
+  };
+  Contradiction contradiction() const noexcept;
 
  private:
   /// Splits column p of C into its part along the active ones (r_: its coefficients) and the rest
@@ -56,6 +79,7 @@ class NodeQp {
   Eigen::VectorXd f_, s_, mu_;  // mu: multipliers
   std::vector<char> pinned_, is_active_;
   int n_active_ = 0;
+  int contradicted_ = 0;     // where kInfeasible ended
   std::vector<int> active_;  // constraints with s = 0 held; the first n_active_ count
   Eigen::MatrixXd Q_;        // orthonormal basis of the active columns of C
   // active columns = Q Lᵀ, L lower triangular

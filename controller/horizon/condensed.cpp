@@ -1,6 +1,7 @@
 #include "controller/horizon/condensed.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -10,6 +11,38 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr double kRounding = 1e-14;  // of the terms of a bound
+constexpr int kSettling = 12;        // centres that a bound may take
+
+/// Units of v in which H has a unit diagonal. A force without any cost gets the unit in which it
+/// counts in its gaps as much as what has a cost does at most.
+VectorXd units(const Condensed& condensed) {
+  const Index n = condensed.H.rows();
+  VectorXd unit = VectorXd::Ones(n);
+  VectorXd costly = VectorXd::Zero(n);
+  for (Index j = 0; j < n; ++j) {
+    if (condensed.H(j, j) > 0.0) costly[j] = unit[j] = 1.0 / std::sqrt(condensed.H(j, j));
+  }
+  const MatrixXd gaps = condensed.J.middleRows(condensed.n_pairs, condensed.n_pairs);
+  const VectorXd weight = (gaps * costly.asDiagonal()).rowwise().norm();
+  for (Index j = 0; j < n; ++j) {
+    if (costly[j] > 0.0) continue;
+    double counts = 0.0;
+    for (Index i = 0; i < gaps.rows(); ++i) {
+      if (weight[i] > 0.0) counts = std::max(counts, std::abs(gaps(i, j)) / weight[i]);
+    }
+    if (counts > 0.0) unit[j] = 1.0 / counts;
+  }
+  return unit;
+}
+
+/// Into its bounds; an empty bound is none.
+VectorXd clamped(VectorXd value, const VectorXd& minimum, const VectorXd& maximum) {
+  if (minimum.size() > 0) value = value.cwiseMax(minimum);
+  if (maximum.size() > 0) value = value.cwiseMin(maximum);
+  return value;
+}
 
 /// Rows as they are found; the last ones of s.
 struct Rows {
@@ -48,7 +81,7 @@ struct Rows {
 
 }  // namespace
 
-Condensed condense(const Problem& problem) {
+Condensed condense(const Problem& problem, const std::vector<Side>& zero) {
   const auto [n_x, n_lambda, n_u, N] = problem.sizes;
   const int n_stage = n_u + n_lambda, n_v = N * n_stage;
   const c3::Costs& costs = *problem.costs;
@@ -57,46 +90,50 @@ Condensed condense(const Problem& problem) {
   result.n_pairs = N * n_lambda;
   result.H = MatrixXd::Zero(n_v, n_v);
   result.g = VectorXd::Zero(n_v);
+  result.K = stabilising_feedback(problem, zero);
   MatrixXd pairs = MatrixXd::Zero(2 * result.n_pairs, n_v);
   VectorXd offsets = VectorXd::Zero(2 * result.n_pairs);
   Rows rows;
   rows.before = 2 * result.n_pairs;
 
-  MatrixXd X = MatrixXd::Zero(n_x, n_v);  // x_k = X v + x
-  VectorXd x = problem.x0;
-  const auto add_cost = [&](const MatrixXd& Q, int k) {
-    const VectorXd error = x - problem.x_desired.col(k);
-    const auto past = X.leftCols(k * n_stage);
-    const MatrixXd weighted = Q * past;
-    result.H.topLeftCorner(past.cols(), past.cols()).noalias() += past.transpose() * weighted;
-    result.g.head(past.cols()).noalias() += weighted.transpose() * error;
-    result.constant += error.dot(Q * error);
+  // z_k = Z v + z, and x_k and [u_k; λ_k] in the same way
+  MatrixXd X = MatrixXd::Zero(n_x, n_v), U(n_stage, n_v), Z(problem.sizes.n_z(), n_v);
+  VectorXd x = problem.x0, u(n_stage), z(problem.sizes.n_z());
+  // the error's part that v brings is zero behind `columns`
+  const auto add_cost = [&result](const MatrixXd& weight, const MatrixXd& matrix,
+                                  const VectorXd& error, Index columns) {
+    const auto past = matrix.leftCols(columns);
+    const MatrixXd weighted = weight * past;
+    result.H.topLeftCorner(columns, columns).noalias() += past.transpose() * weighted;
+    result.g.head(columns).noalias() += weighted.transpose() * error;
+    result.constant += error.dot(weight * error);
   };
 
-  MatrixXd Z = MatrixXd::Zero(problem.sizes.n_z(), n_v);  // z_k = Z v + [x; 0; 0]
-  VectorXd z = VectorXd::Zero(problem.sizes.n_z());
   for (int k = 0; k < N; ++k) {
     const lcs::Lcs& lcs = problem.systems[k];
-    const int u = k * n_stage, lambda = u + n_u;
-    add_cost(costs.Q[k], k);
-    result.H.block(u, u, n_u, n_u) += costs.R[k];
+    const int here = k * n_stage, past = here + n_stage;
+    U.noalias() = result.K[k] * X;
+    U.middleCols(here, n_stage).setIdentity();
+    u.noalias() = result.K[k] * x;
+    const auto inputs = U.topRows(n_u), forces = U.bottomRows(n_lambda);
+    const auto input = u.head(n_u), force = u.tail(n_lambda);
+    add_cost(costs.Q[k], X, x - problem.x_desired.col(k), here);
+    add_cost(costs.R[k], inputs, input, past);
 
-    Z.setZero();
-    Z.topRows(n_x) = X;
-    Z.block(n_x, lambda, n_lambda, n_lambda).setIdentity();
-    Z.block(n_x + n_lambda, u, n_u, n_u).setIdentity();
-    z.head(n_x) = x;
-    pairs.block(k * n_lambda, lambda, n_lambda, n_lambda).setIdentity();
+    Z << X, forces, inputs;
+    z << x, force, input;
+    pairs.middleRows(k * n_lambda, n_lambda) = forces;
+    offsets.segment(k * n_lambda, n_lambda) = force;
     auto gap = pairs.middleRows(result.n_pairs + k * n_lambda, n_lambda);
     gap.noalias() = lcs.E * X;
-    gap.middleCols(lambda, n_lambda) += lcs.F;
-    gap.middleCols(u, n_u) += lcs.H;
-    offsets.segment(result.n_pairs + k * n_lambda, n_lambda) = lcs.E * x + lcs.c;
+    gap.noalias() += lcs.F * forces;
+    gap.noalias() += lcs.H * inputs;
+    offsets.segment(result.n_pairs + k * n_lambda, n_lambda) =
+        lcs.E * x + lcs.F * force + lcs.H * input + lcs.c;
 
     if (k > 0) rows.add(X, x, constraints.x_min[k], constraints.x_max[k]);
-    rows.add(Z.middleRows(n_x, n_lambda), VectorXd::Zero(n_lambda), constraints.lambda_min[k],
-             constraints.lambda_max[k]);
-    rows.add(Z.bottomRows(n_u), VectorXd::Zero(n_u), constraints.u_min[k], constraints.u_max[k]);
+    rows.add(forces, force, constraints.lambda_min[k], constraints.lambda_max[k]);
+    rows.add(inputs, input, constraints.u_min[k], constraints.u_max[k]);
     const MatrixXd& C = constraints.C[k];
     for (Index i = 0; i < C.rows(); ++i) {
       if (k == 0 && C.row(i).tail(n_lambda + n_u).isZero(0.0)) continue;
@@ -104,12 +141,12 @@ Condensed condense(const Problem& problem) {
                constraints.C_max[k][i]);
     }
 
-    x = lcs.A * x + lcs.d;
-    X = lcs.A * X;
-    X.middleCols(u, n_u) += lcs.B;
-    X.middleCols(lambda, n_lambda) += lcs.D;
+    x = (lcs.A * x + lcs.B * input + lcs.D * force + lcs.d).eval();
+    X = (lcs.A * X).eval();
+    X.noalias() += lcs.B * inputs;
+    X.noalias() += lcs.D * forces;
   }
-  add_cost(costs.Q_N, N);
+  add_cost(costs.Q_N, X, x - problem.x_desired.col(N), n_v);
   rows.add(X, x, constraints.x_N_min, constraints.x_N_max);
 
   const Index n_rows = rows.before + static_cast<Index>(rows.J.size());
@@ -125,19 +162,47 @@ Condensed condense(const Problem& problem) {
   return result;
 }
 
-Plan roll_out(const Problem& problem, const VectorXd& v) {
+Plan roll_out(const Problem& problem, const Condensed& condensed, const VectorXd& v,
+              const std::vector<Side>& zero) {
   const auto [n_x, n_lambda, n_u, N] = problem.sizes;
-  const Eigen::Map<const MatrixXd> stages(v.data(), n_u + n_lambda, N);
-  return roll_out(problem, MatrixXd(stages.bottomRows(n_lambda)), MatrixXd(stages.topRows(n_u)));
+  const int n_stage = n_u + n_lambda;
+  Plan plan{MatrixXd(n_x, N + 1), MatrixXd(n_lambda, N), MatrixXd(n_u, N)};
+  plan.x.col(0) = problem.x0;
+  for (int k = 0; k < N; ++k) {
+    const VectorXd inputs = v.segment(k * n_stage, n_stage) + condensed.K[k] * plan.x.col(k);
+    const c3::Constraints& constraints = *problem.constraints;
+    plan.u.col(k) = clamped(inputs.head(n_u), constraints.u_min[k], constraints.u_max[k]);
+    plan.lambda.col(k) =
+        clamped(inputs.tail(n_lambda), constraints.lambda_min[k], constraints.lambda_max[k]);
+    for (int j = 0; j < n_lambda; ++j) {
+      double& force = plan.lambda(j, k);
+      force = zero[k * n_lambda + j] == Side::kForce ? 0.0 : std::max(force, 0.0);
+    }
+    plan.x.col(k + 1) = next_state(problem, plan, k);
+  }
+  evaluate(problem, plan);
+  return plan;
+}
+
+VectorXd inputs_of(const Problem& problem, const Condensed& condensed, const Plan& plan) {
+  const auto [n_x, n_lambda, n_u, N] = problem.sizes;
+  const int n_stage = n_u + n_lambda;
+  VectorXd v(N * n_stage);
+  for (int k = 0; k < N; ++k) {
+    v.segment(k * n_stage, n_stage) << plan.u.col(k), plan.lambda.col(k);
+    v.segment(k * n_stage, n_stage) -= condensed.K[k] * plan.x.col(k);
+  }
+  return v;
 }
 
 LeastDistance::LeastDistance(const Condensed& condensed, double epsilon)
-    : condensed_(&condensed),
-      epsilon_(epsilon * std::max(condensed.H.diagonal().maxCoeff(), 1e-300)) {
-  MatrixXd definite = condensed.H;
+    : condensed_(&condensed), epsilon_(epsilon), unit_(units(condensed)) {
+  g_ = condensed.g.cwiseProduct(unit_);
+  MatrixXd definite = unit_.asDiagonal() * condensed.H * unit_.asDiagonal();
   definite.diagonal().array() += epsilon_;
   L_ = definite.llt().matrixL();
-  C_ = L_.triangularView<Eigen::Lower>().solve(condensed.J.transpose());
+  C_ = unit_.asDiagonal() * condensed.J.transpose();
+  L_.triangularView<Eigen::Lower>().solveInPlace(C_);
   scale_.resize(C_.cols());
   for (Index i = 0; i < C_.cols(); ++i) {
     const double length = C_.col(i).norm();
@@ -146,16 +211,77 @@ LeastDistance::LeastDistance(const Condensed& condensed, double epsilon)
   }
 }
 
-void LeastDistance::centre(const VectorXd& v_c) {
-  const VectorXd slope = condensed_->g - epsilon_ * v_c;
-  const VectorXd half = L_.triangularView<Eigen::Lower>().solve(slope);
-  v_free_ = -L_.triangularView<Eigen::Lower>().transpose().solve(half);
-  lowest_ = condensed_->constant + epsilon_ * v_c.squaredNorm() - half.squaredNorm();
-  t_ = scale_.cwiseProduct(condensed_->J * v_free_ + condensed_->c);
+void LeastDistance::place(const VectorXd& v, Centre& centre) const {
+  centre.v = v;
+  centre.half = g_ - epsilon_ * v;
+  L_.triangularView<Eigen::Lower>().solveInPlace(centre.half);
+  centre.lowest = condensed_->constant + epsilon_ * v.squaredNorm() - centre.half.squaredNorm();
+  centre.t = scale_.cwiseProduct(condensed_->c);
+  centre.t.noalias() -= C_.transpose() * centre.half;
 }
 
-VectorXd LeastDistance::v(const VectorXd& f) const {
-  return v_free_ + L_.triangularView<Eigen::Lower>().transpose().solve(f);
+VectorXd LeastDistance::normalised(const Centre& centre, const VectorXd& f) const {
+  return L_.triangularView<Eigen::Lower>().transpose().solve(f - centre.half);
+}
+
+void LeastDistance::meet(const c3::NodeQp& qp, VectorXd& v) const {
+  VectorXd s(qp.n_active());
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    const VectorXd unscaled = original(v);
+    for (int i = 0; i < qp.n_active(); ++i) {
+      const int row = qp.active(i);
+      s[i] = scale_[row] * (condensed_->J.row(row).dot(unscaled) + condensed_->c[row]);
+    }
+    v += L_.triangularView<Eigen::Lower>().transpose().solve(qp.against(s));
+  }
+}
+
+double LeastDistance::reach(const VectorXd& v) const {
+  return kReach * (v.norm() + std::sqrt(std::max(0.0, condensed_->constant)));
+}
+
+LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const c3::NodeQp& qp,
+                                                double enough) const {
+  const int n_active = qp.n_active();
+  const auto L = L_.triangularView<Eigen::Lower>();
+  Bound best{-std::numeric_limits<double>::infinity(), normalised(centre, qp.f())};
+  VectorXd v_c = best.v, half, t(n_active), mu(n_active), f(v_c.size());
+  for (int repeat = 0; repeat < kSettling; ++repeat) {
+    half = g_ - epsilon_ * v_c;
+    L.solveInPlace(half);
+    const double lowest =
+        condensed_->constant + epsilon_ * v_c.squaredNorm() - half.squaredNorm();
+    for (int i = 0; i < n_active; ++i) {
+      const int row = qp.active(i);
+      t[i] = scale_[row] * condensed_->c[row] - C_.col(row).dot(half);
+    }
+    mu = t;
+    qp.multipliers(mu);
+    f.setZero();
+    for (int i = 0; i < n_active; ++i) {
+      if (!qp.is_pinned(qp.active(i))) mu[i] = std::max(mu[i], 0.0);
+      f += mu[i] * C_.col(qp.active(i));
+    }
+    const VectorXd v = L.transpose().solve(f - half);
+    const double moved = (v - v_c).norm();
+    const double unsettled = epsilon_ * moved * (moved + 2.0 * reach(v));
+    const double along = 2.0 * t.dot(mu);
+    const double rounding = kRounding * (condensed_->constant + half.squaredNorm() +
+                                         f.squaredNorm() + v.squaredNorm() + std::abs(along));
+    const double value = lowest - f.squaredNorm() - along - unsettled - rounding;
+    if (value > best.value) best = {value, v};
+    if (best.value >= enough || unsettled <= rounding) break;
+    v_c = v;
+  }
+  return best;
+}
+
+bool LeastDistance::shows_infeasible(const Centre& centre, const c3::NodeQp& qp) const {
+  const auto [violation, weight, normal] = qp.contradiction();
+  // the combination as a row of v: rounding of its terms is part of it
+  const double slope =
+      (L_.triangularView<Eigen::Lower>() * normal).norm() + kRounding * weight;
+  return violation > slope * reach(normalised(centre, qp.f()));
 }
 
 }  // namespace c3rt::horizon

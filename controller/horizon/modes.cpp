@@ -4,75 +4,56 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
-
-#include "controller/c3/node_qp.hpp"
-
 namespace c3rt::horizon {
 namespace {
 
-constexpr double kEpsilon = 1e-8;     // of the largest curvature, where the cost has none
-constexpr double kTolerance = 1e-12;  // of the largest normalised |s| at the free minimiser
-constexpr double kSameObjective = 1e-12;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEpsilon = 1e-8;       // curvature that the cost gets, of its diagonal
+constexpr double kTolerance = 1e-12;    // of the largest normalised |s| at the free minimiser
+constexpr double kSettled = 1e-11;      // distance from the lower bound, of the objective
+constexpr double kSameObjective = 1e-13;
 constexpr int kMaxCentres = 30;
-
-/// Where λ_kj stands in v.
-int index_of_force(const c3::Sizes& sizes, int pair) {
-  const int k = pair / sizes.n_lambda, j = pair % sizes.n_lambda;
-  return k * (sizes.n_u + sizes.n_lambda) + sizes.n_u + j;
-}
-
-/// Moves v the least distance that brings the rows with s = 0 to zero, which the condition number
-/// of the regularised cost has left at some 1e-7.
-void meet(const Condensed& condensed, const Eigen::VectorXd& s, double tolerance,
-          Eigen::VectorXd& v) {
-  std::vector<int> rows;
-  for (int i = 0; i < s.size(); ++i) {
-    if (s[i] <= tolerance) rows.push_back(i);
-  }
-  Eigen::MatrixXd J(rows.size(), v.size());
-  Eigen::VectorXd c(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    J.row(i) = condensed.J.row(rows[i]);
-    c[i] = condensed.c[rows[i]];
-  }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(J);
-  for (int i = 0; i < 2; ++i) v -= decomposition.solve(J * v + c);
-}
 
 }  // namespace
 
-std::optional<Plan> solve_modes(const Problem& problem, const Condensed& condensed,
-                                const std::vector<Side>& zero) {
-  LeastDistance least(condensed, kEpsilon);
+std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>& zero) {
+  const Condensed condensed = condense(problem, zero);
+  const LeastDistance least(condensed, kEpsilon);
+  LeastDistance::Centre centre;
+  least.place(Eigen::VectorXd::Zero(condensed.g.size()), centre);
   c3::NodeQp qp(condensed.H.rows(), condensed.J.rows());
-  Eigen::VectorXd v = Eigen::VectorXd::Zero(condensed.g.size());
-  // λ has no cost of its own: the regularised QP is solved around its last minimiser, until that
-  // changes nothing (proximal point method)
+  qp.start(centre.t);
+  for (const int row : condensed.equalities) qp.pin(row);
+  return solve_modes(problem, zero, condensed, least, qp, centre);
+}
+
+std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>& zero,
+                                const Condensed& condensed, const LeastDistance& least,
+                                c3::NodeQp& qp, LeastDistance::Centre& centre) {
+  for (int pair = 0; pair < condensed.n_pairs; ++pair) {
+    qp.pin(zero[pair] == Side::kForce ? pair : condensed.n_pairs + pair);
+  }
+  // λ has no cost of its own: the QP that is definite around a centre is solved around its last
+  // minimiser, until that changes nothing (proximal point method)
   std::optional<Plan> best;
+  double before = kInfinity;
   for (int i = 0; i < kMaxCentres; ++i) {
-    least.centre(v);
-    qp.start(least.t());
-    for (const int row : condensed.equalities) qp.pin(row);
-    for (int pair = 0; pair < condensed.n_pairs; ++pair) {
-      qp.pin(zero[pair] == Side::kForce ? pair : condensed.n_pairs + pair);
-    }
-    const double tolerance = kTolerance * least.t().cwiseAbs().maxCoeff();
-    const auto status =
-        qp.solve(least.C(), least.t(), tolerance, std::numeric_limits<double>::infinity());
-    if (status != c3::NodeQp::Status::kSolved) return best;
-    qp.refine(least.C(), least.t());
-    v = least.v(qp.f());
-    meet(condensed, qp.s(), tolerance, v);
-    for (int pair = 0; pair < condensed.n_pairs; ++pair) {
-      double& force = v[index_of_force(problem.sizes, pair)];
-      force = zero[pair] == Side::kForce ? 0.0 : std::max(force, 0.0);
-    }
-    Plan plan = roll_out(problem, v);
-    const bool done = best && std::abs(plan.objective - best->objective) <=
-                                  kSameObjective * std::max(1.0, std::abs(plan.objective));
-    best = std::move(plan);
-    if (done) break;
+    const double tolerance = kTolerance * centre.t.lpNorm<Eigen::Infinity>();
+    if (qp.solve(least.C(), centre.t, tolerance, kInfinity) != c3::NodeQp::Status::kSolved) break;
+    qp.refine(least.C(), centre.t);
+    Eigen::VectorXd v = least.normalised(centre, qp.f());
+    least.meet(qp, v);
+    Plan plan = roll_out(problem, condensed, least.original(v), zero);
+    const double objective = plan.objective;
+    if (residual(problem, plan) <= kMet && (!best || objective < best->objective))
+      best = std::move(plan);
+    const LeastDistance::Bound bound = least.lower_bound(centre, qp, kInfinity);
+    if (objective - bound.value <= kSettled * objective ||
+        std::abs(objective - before) <= kSameObjective * objective)
+      break;
+    before = objective;
+    least.place(bound.v, centre);
+    qp.restart(least.C(), centre.t);
   }
   return best;
 }

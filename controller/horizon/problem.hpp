@@ -23,7 +23,7 @@ struct Problem {
   Eigen::VectorXd x0;         // (n_x)
 };
 
-/// A trajectory, simulated from its inputs and contact forces.
+/// A trajectory.
 struct Plan {
   Eigen::MatrixXd x;                       // (n_x × N+1)
   Eigen::MatrixXd lambda;                  // (n_lambda × N)
@@ -32,7 +32,20 @@ struct Plan {
   double complementarity_violation = 0.0;  // max |min(λ, E x + F λ + H u + c)|
 };
 
-/// Simulates the system and evaluates the result. Does not look at the constraints.
+/// x_{k+1} of x_k, u_k and λ_k.
+Eigen::VectorXd next_state(const Problem& problem, const Plan& plan, int k);
+
+/// Sets objective and violation of the plan's x, λ and u.
+void evaluate(const Problem& problem, Plan& plan);
+
+/// Simulates the system open loop and evaluates the result. Does not look at the constraints.
 Plan roll_out(const Problem& problem, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& u);
+
+/// How far the plan is from being one: the largest violation of the dynamics, of complementarity
+/// and of the constraints, each in relation to the terms that its row adds up.
+double residual(const Problem& problem, const Plan& plan);
+
+/// A residual up to which a plan meets the problem.
+constexpr double kMet = 1e-9;
 
 }  // namespace c3rt::horizon

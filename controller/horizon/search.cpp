@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdio>
 #include <memory>
 #include <vector>
 
@@ -15,9 +15,11 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kEpsilon = 1e-9;        // curvature where the cost has none, of the largest
+constexpr double kEpsilon = 1e-9;        // curvature that the cost gets, of its diagonal
 constexpr double kFeasible = 1e-10;      // of the largest normalised |s| at the free minimiser
 constexpr double kComplementary = 1e-8;  // the same, for the smaller side of a pair
+constexpr double kCostRounding = 1e-10;  // a cost this small beside the free one's is rounding
+constexpr int kMaxCentres = 8;           // of one node
 
 class Search {
  public:
@@ -28,37 +30,52 @@ class Search {
         deadline_(deadline),
         condensed_(condense(problem)),
         least_(condensed_, kEpsilon),
-        n_(condensed_.n_pairs) {
-    VectorXd centre = VectorXd::Zero(condensed_.g.size());
+        n_(condensed_.n_pairs),
+        scratch_(condensed_.H.rows(), condensed_.J.rows()) {
+    result_.max_nodes = settings.max_nodes;
+    least_.place(VectorXd::Zero(condensed_.g.size()), node(0).centre);
+    magnitude_ = node(0).centre.t.lpNorm<Eigen::Infinity>();
     if (known) {
-      accept(*known);
-      Eigen::Map<Eigen::MatrixXd> stages(centre.data(), problem.sizes.n_u + problem.sizes.n_lambda,
-                                         problem.sizes.N);
-      stages << known->u, known->lambda;
+      Plan plan = *known;
+      evaluate(problem, plan);
+      if (residual(problem, plan) <= kMet) {
+        least_.place(least_.normalised(inputs_of(problem, condensed_, plan)), node(0).centre);
+        accept(plan);
+      }
     }
-    least_.centre(centre);
-    magnitude_ = least_.t().cwiseAbs().maxCoeff();
   }
 
   SearchResult run() {
-    c3::NodeQp& root = node(0);
-    root.start(least_.t());
+    c3::NodeQp& root = node(0).qp;
+    root.start(node(0).centre.t);
     for (const int row : condensed_.equalities) root.pin(row);
-    explore(0, least_.lowest());
-    const double objective = result_.plan ? result_.plan->objective : kInfinity;
-    result_.is_proven = !stopped_ && result_.plan;
+    explore(0, 0.0);  // costs are sums of squares
     // what was left unsearched is not cheaper than `open_`, what was pruned than the pruning bound
-    const double lower = std::min(open_, prune_above());
+    result_.lower_bound = std::min(open_, prune_above());
     if (result_.plan) {
-      result_.gap = std::max(0.0, objective - lower) / std::max(std::abs(objective), 1e-300);
+      const double above = std::max(0.0, result_.plan->objective - result_.lower_bound);
+      result_.gap = above > 0.0 ? above / cost_scale() : 0.0;
+    }
+    if (result_.plan && result_.gap <= settings_.relative_gap * (1.0 + 1e-9)) {
+      result_.status = SearchStatus::kOptimal;
+    } else if (limit_) {
+      result_.status = *limit_;
+    } else if (!result_.plan && open_ == kInfinity) {
+      result_.status = SearchStatus::kInfeasible;
     }
     return std::move(result_);
   }
 
  private:
-  c3::NodeQp& node(std::size_t level) {
+  struct Node {
+    c3::NodeQp qp;
+    LeastDistance::Centre centre;
+  };
+
+  Node& node(std::size_t level) {
     while (nodes_.size() <= level) {
-      nodes_.push_back(std::make_unique<c3::NodeQp>(condensed_.H.rows(), condensed_.J.rows()));
+      nodes_.push_back(std::make_unique<Node>(
+          Node{c3::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
     }
     return *nodes_[level];
   }
@@ -67,59 +84,102 @@ class Search {
     if (!result_.plan || plan.objective < result_.plan->objective) result_.plan = plan;
   }
 
+  /// What gaps are relative to.
+  double cost_scale() const {
+    return std::max(std::abs(result_.plan->objective), kCostRounding * condensed_.constant);
+  }
+
   double prune_above() const {
     if (!result_.plan) return kInfinity;
-    return result_.plan->objective - settings_.relative_gap * std::abs(result_.plan->objective);
+    return result_.plan->objective - settings_.relative_gap * cost_scale();
+  }
+
+  /// Nothing more is known of what is below a node than its bound.
+  void leave_open(double bound) { open_ = std::min(open_, bound); }
+
+  c3::NodeQp::Status solve(Node& here, double above) {
+    return here.qp.solve(least_.C(), here.centre.t, kFeasible * magnitude_,
+                         0.5 * (above - here.centre.lowest));
+  }
+
+  double cost_of(const Node& here) const { return here.centre.lowest + 2.0 * here.qp.objective(); }
+
+  void move(Node& here, const VectorXd& v) {
+    least_.place(v, here.centre);
+    here.qp.restart(least_.C(), here.centre.t);
   }
 
   /// @param bound  a lower bound of everything below this node
   void explore(std::size_t level, double bound) {
-    if (result_.nodes >= settings_.max_nodes || deadline_.struck()) stopped_ = true;
-    if (stopped_) {
-      open_ = std::min(open_, bound);
-      return;
-    }
+    if (bound >= prune_above()) return;
+    if (!limit_ && result_.nodes >= settings_.max_nodes) limit_ = SearchStatus::kNodeLimit;
+    if (!limit_ && deadline_.struck()) limit_ = SearchStatus::kDeadline;
+    if (limit_) return leave_open(bound);
     ++result_.nodes;
-    c3::NodeQp& here = node(level);
-    const double limit = 0.5 * (prune_above() - least_.lowest());
-    const auto status = here.solve(least_.C(), least_.t(), kFeasible * magnitude_, limit);
-    if (status == c3::NodeQp::Status::kStuck) {
-      stopped_ = true;
-      open_ = std::min(open_, bound);
-    }
-    if (status != c3::NodeQp::Status::kSolved) return;
-    bound = std::max(bound, least_.lowest() + 2.0 * here.objective());
-
-    int pair = -1;
-    double largest = 0.0;
-    for (int i = 0; i < n_; ++i) {
-      const double smaller = std::min(here.s()[i], here.s()[n_ + i]);
-      if (smaller > largest) {
-        largest = smaller;
-        pair = i;
+    Node& here = node(level);
+    for (int i = 0;; ++i) {
+      // the last time whatever it costs: where the curvature is what costs, there may be more below
+      const bool last = i == kMaxCentres;
+      const auto status = solve(here, last ? kInfinity : prune_above());
+      if (status == c3::NodeQp::Status::kInfeasible) {
+        if (!least_.shows_infeasible(here.centre, here.qp)) leave_open(bound);
+        return;
       }
+      if (status == c3::NodeQp::Status::kStuck) return leave_open(bound);
+      const LeastDistance::Bound lower = least_.lower_bound(here.centre, here.qp, prune_above());
+      bound = std::max(bound, lower.value);
+      if (bound >= prune_above()) return;
+      const bool solved = status == c3::NodeQp::Status::kSolved;
+      if (solved && least_complementary(here.qp).smaller <= kComplementary * magnitude_) {
+        leaf(here);
+        if (bound >= prune_above()) return;
+      }
+      if (last || (solved && cost_of(here) < prune_above() && least_complementary(here.qp).pair >= 0))
+        break;
+      move(here, lower.v);
     }
-    if (largest <= kComplementary * magnitude_) leaf(here);
-    // exact modes may cost more than this node, where a force without weight is large: search on
-    if (pair < 0 || bound >= prune_above()) return;
-    const int first = here.s()[pair] <= here.s()[n_ + pair] ? pair : n_ + pair;
+
+    const int pair = least_complementary(here.qp).pair;
+    if (pair < 0) return leave_open(bound);  // complementary, but no plan as cheap as the bound
+    const VectorXd& s = here.qp.s();
+    const int first = s[pair] <= s[n_ + pair] ? pair : n_ + pair;
     for (const int side : {first, first == pair ? n_ + pair : pair}) {
-      const double s = here.s()[side];
-      const double below = bound + s * s;  // bringing s to zero costs at least that
-      if (below >= prune_above()) continue;
-      c3::NodeQp& next = node(level + 1);
-      next.copy_from(here);
-      next.pin(side);
-      explore(level + 1, below);
+      Node& next = node(level + 1);
+      next.qp.copy_from(here.qp);
+      next.centre = here.centre;
+      next.qp.pin(side);
+      explore(level + 1, bound);
     }
   }
 
-  void leaf(const c3::NodeQp& here) {
-    std::vector<Side> zero;
+  /// The pair whose smaller side is the largest, of those not decided yet; −1 if none is above zero.
+  struct Violation {
+    int pair = -1;
+    double smaller = 0.0;
+  };
+  Violation least_complementary(const c3::NodeQp& qp) const {
+    Violation worst;
     for (int i = 0; i < n_; ++i) {
-      zero.push_back(here.s()[i] <= here.s()[n_ + i] ? Side::kForce : Side::kGap);
+      if (qp.is_pinned(i) || qp.is_pinned(n_ + i)) continue;  // what is left there is rounding
+      const double smaller = std::min(qp.s()[i], qp.s()[n_ + i]);
+      if (smaller > worst.smaller) worst = {i, smaller};
     }
-    if (const auto plan = solve_modes(problem_, condensed_, zero)) accept(*plan);
+    return worst;
+  }
+
+  void leaf(const Node& here) {
+    std::vector<Side> zero;
+    const VectorXd& s = here.qp.s();
+    for (int i = 0; i < n_; ++i) {
+      const bool gap = here.qp.is_pinned(n_ + i) || (!here.qp.is_pinned(i) && s[i] > s[n_ + i]);
+      zero.push_back(gap ? Side::kGap : Side::kForce);
+    }
+    scratch_.copy_from(here.qp);
+    scratch_centre_ = here.centre;
+    std::optional<Plan> plan =
+        solve_modes(problem_, zero, condensed_, least_, scratch_, scratch_centre_);
+    if (!plan) plan = solve_modes(problem_, zero);
+    if (plan) accept(*plan);
   }
 
   const Problem& problem_;
@@ -129,9 +189,11 @@ class Search {
   LeastDistance least_;
   int n_;
   double magnitude_ = 0.0;
-  std::vector<std::unique_ptr<c3::NodeQp>> nodes_;  // one per level
+  std::vector<std::unique_ptr<Node>> nodes_;  // one per level
+  c3::NodeQp scratch_;
+  LeastDistance::Centre scratch_centre_;
   SearchResult result_;
-  bool stopped_ = false;
+  std::optional<SearchStatus> limit_;  // what ended the search early
   double open_ = kInfinity;
 };
 
@@ -140,6 +202,27 @@ class Search {
 SearchResult search(const Problem& problem, const SearchSettings& settings,
                     const std::optional<Plan>& known, const c3::Deadline& deadline) {
   return Search(problem, settings, known, deadline).run();
+}
+
+std::string describe(const SearchResult& result) {
+  const auto text = [](const char* format, auto... values) {
+    char buffer[160];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return std::string(buffer);
+  };
+  const std::string best = result.plan ? text("the best plan found is within a gap of %.2g", result.gap)
+                                       : std::string("no plan was found");
+  switch (result.status) {
+    case SearchStatus::kOptimal: return text("proven optimal to a gap of %.2g", result.gap);
+    case SearchStatus::kInfeasible: return "infeasible: no trajectory meets the constraints";
+    case SearchStatus::kNodeLimit:
+      return text("stopped at max_nodes = %ld (%ld QPs solved): ", result.max_nodes, result.nodes) +
+             best;
+    case SearchStatus::kDeadline:
+      return text("stopped by the deadline after %ld QPs: ", result.nodes) + best;
+    case SearchStatus::kInaccurate: break;
+  }
+  return text("beyond double precision, %ld QPs searched to the end: ", result.nodes) + best;
 }
 
 }  // namespace c3rt::horizon

@@ -18,7 +18,7 @@ TEST_CASE("the search proves the recorded optima of all examples") {
     settings.relative_gap = 1e-6;
     const horizon::SearchResult result = horizon::search(c.problem(), settings);
     REQUIRE(result.plan);
-    CHECK(result.is_proven);
+    CHECK(result.is_proven());
     CHECK(result.gap <= 1.01e-6);
     CHECK(result.plan->objective == Approx(c.objective).epsilon(2e-6));
     CHECK(result.plan->complementarity_violation < 1e-10);
@@ -60,7 +60,7 @@ TEST_CASE("a search that is cut short bounds its distance from the optimum") {
       settings.max_nodes = nodes;
       const horizon::SearchResult result = horizon::search(c.problem(), settings);
       CHECK(result.nodes <= nodes);
-      if (result.is_proven || !result.plan) continue;
+      if (result.is_proven() || !result.plan) continue;
       ++cut;
       CHECK(result.plan->objective * (1.0 - result.gap) <= c.objective * (1.0 + 1e-6));
       CHECK(result.plan->objective >= c.objective * (1.0 - 1e-9));
@@ -84,7 +84,7 @@ TEST_CASE("a known plan is kept unless a better one is found, and saves nodes") 
     const horizon::SearchResult kept = horizon::search(problem, none, first.plan);
     REQUIRE(kept.plan);
     CHECK(kept.plan->objective == first.plan->objective);
-    CHECK_FALSE(kept.is_proven);
+    CHECK(kept.status == horizon::SearchStatus::kNodeLimit);
     return;
   }
   FAIL("the recorded problem is missing");
@@ -95,5 +95,5 @@ TEST_CASE("a deadline ends the search") {
   const std::vector<golden15::Case> cases = golden15::load();
   const horizon::SearchResult result = horizon::search(cases[0].problem(), {}, {}, now);
   CHECK(result.nodes == 0);
-  CHECK_FALSE(result.is_proven);
+  CHECK(result.status == horizon::SearchStatus::kDeadline);
 }
