@@ -89,6 +89,7 @@ struct Answer {
   config::ProblemResult result;
   std::string json;
   bool found;
+  int exit_status;
 };
 
 /// (15) by the exact search over the horizon; big-M has no part in it.
@@ -112,19 +113,27 @@ Answer solve_monolithic(const config::ProblemFile& problem, const c3::Deadline& 
                                0.0,
                                static_cast<int>(found.nodes),
                                solve_time_s,
-                               ""};
+                               "",
+                               {},
+                               {},
+                               {}};
   if (found.plan) {
-    result.status = found.is_proven ? "ok" : "truncated";
+    result.status = found.is_proven() ? "ok" : "truncated";
     result.x = found.plan->x;
     result.lambda = found.plan->lambda;
     result.u = found.plan->u;
     result.objective = found.plan->objective;
     result.complementarity_violation = found.plan->complementarity_violation;
+    result.note = horizon::describe(found);
+    result.gap = found.gap;
+    result.lower_bound = found.lower_bound;
   } else {
-    result.status = found.is_proven ? "fail: no trajectory meets the constraints"
-                                    : "fail: the search ended before it found a trajectory";
+    result.status = "fail: " + horizon::describe(found);
   }
-  return {result, config::to_json(problem, result, {}), found.plan.has_value()};
+  const bool decided = found.plan || found.status == horizon::SearchStatus::kInfeasible;
+  const int none = decided ? kCriterionFailed : kUndecided;
+  return {result, config::to_json(problem, result, {}), found.plan.has_value(),
+          found.plan ? kDone : none};
 }
 
 Answer solve_c3(const config::ProblemFile& problem, const c3::Deadline& deadline) {
@@ -142,8 +151,9 @@ Answer solve_c3(const config::ProblemFile& problem, const c3::Deadline& deadline
   const double solve_time_s = std::chrono::duration<double>(Clock::now() - start).count();
 
   const config::ProblemResult result = config::to_result(problem, solution, solve_time_s);
-  return {result, config::to_json(problem, result, solution.trace),
-          solution.status != c3::SolveStatus::kFailed};
+  const bool found = solution.status != c3::SolveStatus::kFailed;
+  return {result, config::to_json(problem, result, solution.trace), found,
+          found ? kDone : kCriterionFailed};
 }
 
 }  // namespace
@@ -163,7 +173,7 @@ int solve(const std::string& path, const std::string& out) {
                             : solve_c3(problem, deadline);
   write(answer.json, out);
   print_summary(answer.result, answer.found);
-  return answer.found ? kDone : kCriterionFailed;
+  return answer.exit_status;
 }
 
 }  // namespace c3rt::cli

@@ -159,7 +159,9 @@ ProblemResult to_result(const ProblemFile& problem, const c3::Solution& solution
           solution.iterations,
           solve_time_s,
           note_of(problem, solution),
-          solution.qp};
+          solution.qp,
+          {},
+          {}};
 }
 
 std::string to_json(const ProblemFile& problem, const ProblemResult& result,
@@ -178,6 +180,8 @@ std::string to_json(const ProblemFile& problem, const ProblemResult& result,
     json["qp_primal_residual"] = result.qp->primal_residual;
     json["qp_dual_residual"] = result.qp->dual_residual;
   }
+  if (result.lower_bound) json["lower_bound"] = *result.lower_bound;
+  if (result.gap) json["gap"] = *result.gap;
   if (!problem.settings.trace) return json.dump(1) + "\n";
   Json iters = Json::array();
   for (int i = 0; i < result.iterations && i < static_cast<int>(iterates.size()); ++i) {

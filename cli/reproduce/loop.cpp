@@ -60,10 +60,9 @@ void MonolithicController::reset() {
 
 std::optional<horizon::Plan> MonolithicController::first_plan(const horizon::Problem& problem,
                                                               const lcs::Lcs& lcs, double t) {
-  const horizon::Condensed condensed = horizon::condense(problem);
   std::optional<horizon::Plan> best;
   const auto consider = [&](const std::vector<horizon::Side>& zero) {
-    std::optional<horizon::Plan> plan = horizon::solve_modes(problem, condensed, zero);
+    std::optional<horizon::Plan> plan = horizon::solve_modes(problem, zero);
     if (plan && (!best || plan->objective < best->objective)) best = std::move(plan);
   };
   if (const Eigen::MatrixXd* u = c3_.decide(lcs, problem.x0, t); u != nullptr) {

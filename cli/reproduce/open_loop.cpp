@@ -6,7 +6,6 @@
 
 #include "cli/progress.hpp"
 #include "cli/reproduce/rolling.hpp"
-#include "controller/horizon/condensed.hpp"
 #include "controller/horizon/modes.hpp"
 #include "controller/horizon/search.hpp"
 #include "controller/lcs/simulate.hpp"
@@ -180,8 +179,7 @@ MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
       const Eigen::MatrixXd u =
           step.result().solution->z.bottomRows(problem.sizes.n_u).leftCols(problem.sizes.N);
       if (const auto plan = consequence(posed, u))
-        known = horizon::solve_modes(problem, horizon::condense(problem),
-                                     horizon::modes(problem, *plan));
+        known = horizon::solve_modes(problem, horizon::modes(problem, *plan));
     }
     double end = began + limit;
     const horizon::SearchResult result = horizon::search(problem, {}, known, {&is_late, &end});

@@ -51,7 +51,7 @@ class Worst {
   }
   void zero(double value, double terms) {
     const double ratio = value == 0.0 ? 0.0 : std::abs(value) / terms;
-    if (!(ratio <= worst_)) worst_ = ratio;  // NaN counts
+    worst_ = std::isnan(ratio) ? kNone : std::max(worst_, ratio);
   }
   /// An empty bound is none.
   void within(const Eigen::VectorXd& value, const Eigen::VectorXd& terms,

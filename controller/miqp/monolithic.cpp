@@ -211,7 +211,7 @@ MonolithicResult solve_monolithic(const horizon::Problem& problem,
     }
   }
   result.plan = horizon::roll_out(problem, lambda, u);
-  if (auto exact = horizon::solve_modes(problem, horizon::condense(problem), zero)) {
+  if (auto exact = horizon::solve_modes(problem, zero)) {
     result.plan = std::move(*exact);
     result.is_polished = true;
     // the proven bound stays where it was
