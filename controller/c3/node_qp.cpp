@@ -165,8 +165,10 @@ Eigen::VectorXd NodeQp::against(Eigen::VectorXd s) const {
   return Q_.leftCols(n_active_) * s;
 }
 
-NodeQp::Contradiction NodeQp::contradiction() const noexcept {
-  return {std::abs(s_[contradicted_]), 1.0 + r_.head(n_active_).lpNorm<1>(), z_};
+NodeQp::Contradiction NodeQp::contradiction() const {
+  const double s = s_[contradicted_];
+  return {contradicted_, s < 0.0 ? 1.0 : -1.0,     std::abs(s), 1.0 + r_.head(n_active_).lpNorm<1>(),
+          r_.head(n_active_), z_};
 }
 
 double NodeQp::split(const Eigen::MatrixXd& C, int p) noexcept {

@@ -58,15 +58,18 @@ class NodeQp {
   /// The smallest f that moves the active s by −`s`.
   Eigen::VectorXd against(Eigen::VectorXd s) const;
 
-  /// After kInfeasible: the constraint that cannot be met, and a combination of it (with 1) and of the
-  /// active ones (with −r) that is at least zero wherever these hold, but −|s_p| at f and, C having
-  /// nearly nothing along it, almost everywhere: it changes with f by `normal` only.
+  /// After kInfeasible: the constraint that cannot be met, with `sign`, and the active ones with
+  /// −sign `coefficients` add up to what is at least zero wherever these hold, is −violation at f, and
+  /// hardly changes with f.
   struct Contradiction {
-    double violation;               // |s_p|
-    double weight;                  // 1 + Σ|r|
-    const Eigen::VectorXd& normal;  // of length ≪ 1
+    int constraint;
+    double sign;
+    double violation;               // |s|
+    double weight;                  // 1 + Σ|coefficients|
+    Eigen::VectorXd coefficients;   // in the order of the active ones
+    const Eigen::VectorXd& normal;  // how it changes with f, but for the sign
   };
-  Contradiction contradiction() const noexcept;
+  Contradiction contradiction() const;
 
  private:
   /// Splits column p of C into its part along the active ones (r_: its coefficients) and the rest

@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 
 constexpr double kRounding = 1e-14;  // of the terms of a bound
 constexpr int kSettling = 12;        // centres that a bound may take
+constexpr double kDear = 1e6;        // of the cost: a bound above is as good as infeasible
+constexpr double kNothing = 1e-12;   // of its terms: rounding of a row that nothing changes
 
 /// Units of v in which H has a unit diagonal. A force without any cost gets the unit in which it
 /// counts in its gaps as much as what has a cost does at most.
@@ -44,6 +46,11 @@ VectorXd clamped(VectorXd value, const VectorXd& minimum, const VectorXd& maximu
   return value;
 }
 
+/// The sum of terms of this size, of which nothing is left but rounding.
+double without_rounding(double sum, double terms) {
+  return std::abs(sum) <= kNothing * terms ? 0.0 : sum;
+}
+
 /// Rows as they are found; the last ones of s.
 struct Rows {
   std::vector<VectorXd> J;
@@ -52,28 +59,34 @@ struct Rows {
   int before = 0;  // rows of s that stand ahead
 
   /// minimum ≤ row v + offset ≤ maximum
-  void add(const VectorXd& row, double offset, double minimum, double maximum) {
+  /// @param terms  what the offset adds up
+  void add(const VectorXd& row, double offset, double terms, double minimum, double maximum) {
+    const bool constant = row.isZero(0.0);
+    const auto beside = [&](double bound) {
+      const double difference = offset - bound;
+      return constant ? without_rounding(difference, terms + std::abs(bound)) : difference;
+    };
     if (minimum == maximum) {
       equalities.push_back(before + static_cast<int>(J.size()));
       J.push_back(row);
-      c.push_back(offset - minimum);
+      c.push_back(beside(minimum));
       return;
     }
     if (std::isfinite(minimum)) {
       J.push_back(row);
-      c.push_back(offset - minimum);
+      c.push_back(beside(minimum));
     }
     if (std::isfinite(maximum)) {
       J.push_back(-row);
-      c.push_back(maximum - offset);
+      c.push_back(-beside(maximum));
     }
   }
 
   /// The same for several rows; an empty bound is none.
-  void add(const MatrixXd& rows, const VectorXd& offset, const VectorXd& minimum,
-           const VectorXd& maximum) {
+  void add(const MatrixXd& rows, const VectorXd& offset, const VectorXd& terms,
+           const VectorXd& minimum, const VectorXd& maximum) {
     for (Index i = 0; i < rows.rows(); ++i) {
-      add(rows.row(i), offset[i], minimum.size() == 0 ? -INFINITY : minimum[i],
+      add(rows.row(i), offset[i], terms[i], minimum.size() == 0 ? -INFINITY : minimum[i],
           maximum.size() == 0 ? INFINITY : maximum[i]);
     }
   }
@@ -99,6 +112,7 @@ Condensed condense(const Problem& problem, const std::vector<Side>& zero) {
   // z_k = Z v + z, and x_k and [u_k; λ_k] in the same way
   MatrixXd X = MatrixXd::Zero(n_x, n_v), U(n_stage, n_v), Z(problem.sizes.n_z(), n_v);
   VectorXd x = problem.x0, u(n_stage), z(problem.sizes.n_z());
+  VectorXd x_terms = x.cwiseAbs();  // what x adds up
   // the error's part that v brings is zero behind `columns`
   const auto add_cost = [&result](const MatrixXd& weight, const MatrixXd& matrix,
                                   const VectorXd& error, Index columns) {
@@ -124,30 +138,39 @@ Condensed condense(const Problem& problem, const std::vector<Side>& zero) {
     z << x, force, input;
     pairs.middleRows(k * n_lambda, n_lambda) = forces;
     offsets.segment(k * n_lambda, n_lambda) = force;
-    auto gap = pairs.middleRows(result.n_pairs + k * n_lambda, n_lambda);
+    const int gaps = result.n_pairs + k * n_lambda;
+    auto gap = pairs.middleRows(gaps, n_lambda);
     gap.noalias() = lcs.E * X;
     gap.noalias() += lcs.F * forces;
     gap.noalias() += lcs.H * inputs;
-    offsets.segment(result.n_pairs + k * n_lambda, n_lambda) =
-        lcs.E * x + lcs.F * force + lcs.H * input + lcs.c;
+    offsets.segment(gaps, n_lambda) = lcs.E * x + lcs.F * force + lcs.H * input + lcs.c;
+    const VectorXd gap_terms = lcs.E.cwiseAbs() * x_terms + lcs.F.cwiseAbs() * force.cwiseAbs() +
+                               lcs.H.cwiseAbs() * input.cwiseAbs() + lcs.c.cwiseAbs();
+    for (int j = 0; j < n_lambda; ++j) {
+      if (gap.row(j).isZero(0.0))
+        offsets[gaps + j] = without_rounding(offsets[gaps + j], gap_terms[j]);
+    }
 
-    if (k > 0) rows.add(X, x, constraints.x_min[k], constraints.x_max[k]);
-    rows.add(forces, force, constraints.lambda_min[k], constraints.lambda_max[k]);
-    rows.add(inputs, input, constraints.u_min[k], constraints.u_max[k]);
+    if (k > 0) rows.add(X, x, x_terms, constraints.x_min[k], constraints.x_max[k]);
+    rows.add(forces, force, force.cwiseAbs(), constraints.lambda_min[k], constraints.lambda_max[k]);
+    rows.add(inputs, input, input.cwiseAbs(), constraints.u_min[k], constraints.u_max[k]);
     const MatrixXd& C = constraints.C[k];
     for (Index i = 0; i < C.rows(); ++i) {
       if (k == 0 && C.row(i).tail(n_lambda + n_u).isZero(0.0)) continue;
-      rows.add(Z.transpose() * C.row(i).transpose(), C.row(i).dot(z), constraints.C_min[k][i],
+      rows.add(Z.transpose() * C.row(i).transpose(), C.row(i).dot(z),
+               C.row(i).cwiseAbs().dot(z.cwiseAbs()), constraints.C_min[k][i],
                constraints.C_max[k][i]);
     }
 
+    x_terms = lcs.A.cwiseAbs() * x_terms + lcs.B.cwiseAbs() * input.cwiseAbs() +
+              lcs.D.cwiseAbs() * force.cwiseAbs() + lcs.d.cwiseAbs();
     x = (lcs.A * x + lcs.B * input + lcs.D * force + lcs.d).eval();
     X = (lcs.A * X).eval();
     X.noalias() += lcs.B * inputs;
     X.noalias() += lcs.D * forces;
   }
   add_cost(costs.Q_N, X, x - problem.x_desired.col(N), n_v);
-  rows.add(X, x, constraints.x_N_min, constraints.x_N_max);
+  rows.add(X, x, x_terms, constraints.x_N_min, constraints.x_N_max);
 
   const Index n_rows = rows.before + static_cast<Index>(rows.J.size());
   result.J.resize(n_rows, n_v);
@@ -204,10 +227,18 @@ LeastDistance::LeastDistance(const Condensed& condensed, double epsilon)
   C_ = unit_.asDiagonal() * condensed.J.transpose();
   L_.triangularView<Eigen::Lower>().solveInPlace(C_);
   scale_.resize(C_.cols());
+  double largest = 0.0;
   for (Index i = 0; i < C_.cols(); ++i) {
     const double length = C_.col(i).norm();
-    scale_[i] = length > 0.0 ? 1.0 / length : 1.0;
+    scale_[i] = length > 0.0 ? 1.0 / length : 0.0;
     C_.col(i) *= scale_[i];
+    largest = std::max(largest, std::abs(scale_[i] * condensed.c[i]));
+  }
+  // rows that nothing changes are below, at or above zero, no matter by how much
+  if (largest == 0.0) largest = 1.0;
+  for (Index i = 0; i < C_.cols(); ++i) {
+    if (scale_[i] == 0.0)
+      scale_[i] = condensed.c[i] == 0.0 ? 1.0 : largest / std::abs(condensed.c[i]);
   }
 }
 
@@ -240,48 +271,87 @@ double LeastDistance::reach(const VectorXd& v) const {
   return kReach * (v.norm() + std::sqrt(std::max(0.0, condensed_->constant)));
 }
 
-LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const c3::NodeQp& qp,
-                                                double enough) const {
-  const int n_active = qp.n_active();
+LeastDistance::Bound LeastDistance::dual(const VectorXd& v_c, const std::vector<int>& rows,
+                                         const Multipliers& multipliers) const {
   const auto L = L_.triangularView<Eigen::Lower>();
-  Bound best{-std::numeric_limits<double>::infinity(), normalised(centre, qp.f())};
-  VectorXd v_c = best.v, half, t(n_active), mu(n_active), f(v_c.size());
+  VectorXd half = g_ - epsilon_ * v_c;
+  L.solveInPlace(half);
+  VectorXd t(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    t[i] = scale_[rows[i]] * condensed_->c[rows[i]] - C_.col(rows[i]).dot(half);
+  }
+  const VectorXd mu = multipliers(t);
+  VectorXd f = VectorXd::Zero(v_c.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) f += mu[i] * C_.col(rows[i]);
+  Bound bound{0.0, 0.0, L.transpose().solve(f - half)};
+  const double moved = (bound.v - v_c).norm();
+  bound.unsettled = epsilon_ * moved * (moved + 2.0 * reach(bound.v));
+  const double rounding =
+      kRounding * (condensed_->constant + half.squaredNorm() + f.squaredNorm() +
+                   bound.v.squaredNorm() + 2.0 * t.cwiseAbs().dot(mu.cwiseAbs()));
+  bound.value = condensed_->constant + epsilon_ * v_c.squaredNorm() - half.squaredNorm() -
+                f.squaredNorm() - 2.0 * t.dot(mu) - bound.unsettled - rounding;
+  if (bound.unsettled <= rounding) bound.unsettled = 0.0;
+  return bound;
+}
+
+LeastDistance::Bound LeastDistance::settle(VectorXd v_c, const std::vector<int>& rows,
+                                           const Multipliers& multipliers, double enough) const {
+  Bound best{-std::numeric_limits<double>::infinity(), 0.0, v_c};
   for (int repeat = 0; repeat < kSettling; ++repeat) {
-    half = g_ - epsilon_ * v_c;
-    L.solveInPlace(half);
-    const double lowest =
-        condensed_->constant + epsilon_ * v_c.squaredNorm() - half.squaredNorm();
-    for (int i = 0; i < n_active; ++i) {
-      const int row = qp.active(i);
-      t[i] = scale_[row] * condensed_->c[row] - C_.col(row).dot(half);
-    }
-    mu = t;
-    qp.multipliers(mu);
-    f.setZero();
-    for (int i = 0; i < n_active; ++i) {
-      if (!qp.is_pinned(qp.active(i))) mu[i] = std::max(mu[i], 0.0);
-      f += mu[i] * C_.col(qp.active(i));
-    }
-    const VectorXd v = L.transpose().solve(f - half);
-    const double moved = (v - v_c).norm();
-    const double unsettled = epsilon_ * moved * (moved + 2.0 * reach(v));
-    const double along = 2.0 * t.dot(mu);
-    const double rounding = kRounding * (condensed_->constant + half.squaredNorm() +
-                                         f.squaredNorm() + v.squaredNorm() + std::abs(along));
-    const double value = lowest - f.squaredNorm() - along - unsettled - rounding;
-    if (value > best.value) best = {value, v};
-    if (best.value >= enough || unsettled <= rounding) break;
-    v_c = v;
+    Bound bound = dual(v_c, rows, multipliers);
+    v_c = bound.v;
+    const bool settled = bound.unsettled == 0.0;
+    if (bound.value > best.value) best = std::move(bound);
+    if (best.value >= enough || settled) break;
   }
   return best;
 }
 
-bool LeastDistance::shows_infeasible(const Centre& centre, const c3::NodeQp& qp) const {
-  const auto [violation, weight, normal] = qp.contradiction();
-  // the combination as a row of v: rounding of its terms is part of it
-  const double slope =
-      (L_.triangularView<Eigen::Lower>() * normal).norm() + kRounding * weight;
-  return violation > slope * reach(normalised(centre, qp.f()));
+LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const c3::NodeQp& qp,
+                                                double enough) const {
+  std::vector<int> rows;
+  for (int i = 0; i < qp.n_active(); ++i) rows.push_back(qp.active(i));
+  const auto multipliers = [&](VectorXd t) {
+    qp.multipliers(t);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (!qp.is_pinned(rows[i])) t[i] = std::max(t[i], 0.0);
+    return t;
+  };
+  return settle(normalised(centre, qp.f()), rows, multipliers, enough);
+}
+
+double LeastDistance::infeasible_below(const Centre& centre, const c3::NodeQp& qp,
+                                       double enough) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const c3::NodeQp::Contradiction against = qp.contradiction();
+  const double slope = (L_.triangularView<Eigen::Lower>() * against.normal).norm();
+  if (against.violation >
+      (slope + kRounding * against.weight) * reach(normalised(centre, qp.f())))
+    return kInfinity;
+
+  // the combination as multipliers: in proportion to it the dual function rises from the free
+  // minimum, until the square of its normal counts
+  const Bound free = settle(
+      normalised(centre, VectorXd::Zero(qp.f().size())), {},
+      [](const VectorXd& t) { return t; }, kInfinity);
+  std::vector<int> rows;
+  for (int i = 0; i < qp.n_active(); ++i) rows.push_back(qp.active(i));
+  rows.push_back(against.constraint);
+  VectorXd combination(rows.size());
+  combination << -against.sign * against.coefficients, against.sign;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!qp.is_pinned(rows[i])) combination[i] = std::max(combination[i], 0.0);
+  const double dear = enough < kInfinity ? enough : kDear * condensed_->constant;
+  const double wanted = 2.0 * std::max(dear - free.value, 0.0);
+  const double curvature = against.normal.squaredNorm();
+  const double within = against.violation * against.violation - curvature * wanted;
+  // the smaller root of 2 τ violation − τ² curvature = wanted, or the top
+  const double factor = within > 0.0 ? wanted / (against.violation + std::sqrt(within))
+                                     : against.violation / curvature;
+  const Bound bound =
+      dual(free.v, rows, [&](const VectorXd&) { return VectorXd(factor * combination); });
+  return std::max(free.value, bound.value);
 }
 
 }  // namespace c3rt::horizon

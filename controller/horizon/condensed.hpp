@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -74,7 +75,8 @@ class LeastDistance {
   void meet(const c3::NodeQp& qp, Eigen::VectorXd& v) const;
 
   struct Bound {
-    double value;       // no plan within kReach of `v` costs less
+    double value;       // no plan within reach of `v` costs less
+    double unsettled;   // how much of it the curvature has cost; 0 where less than rounding
     Eigen::VectorXd v;  // where it was found (in the units of H)
   };
   /// A lower bound of the problem *without* ε, with the inequalities as they are and the pinned rows
@@ -92,10 +94,20 @@ class LeastDistance {
   static constexpr double kReach = 1e6;
   double reach(const Eigen::VectorXd& v) const;
 
-  /// Whether the constraint that ended the QP as infeasible cannot be met within reach.
-  bool shows_infeasible(const Centre& centre, const c3::NodeQp& qp) const;
+  /// After a QP that has no solution: below which costs that is shown. Infinity where no plan within
+  /// reach meets the constraints; a cost where rounding leaves only that one would have to cost more.
+  /// @param enough  no better bound is needed
+  double infeasible_below(const Centre& centre, const c3::NodeQp& qp, double enough) const;
 
  private:
+  using Multipliers = std::function<Eigen::VectorXd(Eigen::VectorXd t)>;
+  /// The bound at multipliers of these rows, which are found when their t around v_c is.
+  Bound dual(const Eigen::VectorXd& v_c, const std::vector<int>& rows,
+             const Multipliers& multipliers) const;
+  /// The best of the bounds around v_c, the minimiser that this gives, and so on.
+  Bound settle(Eigen::VectorXd v_c, const std::vector<int>& rows, const Multipliers& multipliers,
+               double enough) const;
+
   const Condensed* condensed_;
   double epsilon_;
   Eigen::VectorXd unit_, g_;  // of v: v_original = unit v; g in these units

@@ -122,8 +122,8 @@ class Search {
       const bool last = i == kMaxCentres;
       const auto status = solve(here, last ? kInfinity : prune_above());
       if (status == c3::NodeQp::Status::kInfeasible) {
-        if (!least_.shows_infeasible(here.centre, here.qp)) leave_open(bound);
-        return;
+        bound = std::max(bound, least_.infeasible_below(here.centre, here.qp, prune_above()));
+        return bound >= prune_above() ? void() : leave_open(bound);
       }
       if (status == c3::NodeQp::Status::kStuck) return leave_open(bound);
       const LeastDistance::Bound lower = least_.lower_bound(here.centre, here.qp, prune_above());

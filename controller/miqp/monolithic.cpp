@@ -214,11 +214,13 @@ MonolithicResult solve_monolithic(const horizon::Problem& problem,
   if (auto exact = horizon::solve_modes(problem, zero)) {
     result.plan = std::move(*exact);
     result.is_polished = true;
-    // the proven bound stays where it was
-    const double bound = found.objective - found.gap * std::max(std::abs(found.objective), 1.0);
-    result.gap = std::max(
-        0.0, (result.plan.objective - bound) / std::max(std::abs(result.plan.objective), 1.0));
   }
+  // the solver's bound stays where it was; a plan well below it shows that it was none
+  const double bound = found.objective - found.gap * std::max(std::abs(found.objective), 1.0);
+  const double scale = std::max(std::abs(result.plan.objective), 1.0);
+  result.gap = std::abs(result.plan.objective - bound) / scale;
+  const double allowed = settings.solver.relative_gap + settings.solver.absolute_gap / scale;
+  if (!result.is_polished || !(result.gap <= allowed)) result.status = Status::kFeasible;
   result.largest = largest_force_or_gap(problem, result.plan);
   return result;
 }

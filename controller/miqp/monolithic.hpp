@@ -11,9 +11,11 @@ struct MonolithicSettings {
 };
 
 struct MonolithicResult {
+  // optimal: the modes' exact plan is within the gap of the solver's bound. Bound and infeasibility are
+  // the solver's word, to the tolerance of its QPs and below big_m: a baseline, no proof
   Status status = Status::kFailed;
   horizon::Plan plan;  // where status is optimal or feasible
-  double gap = 0.0;    // (plan.objective − proven bound) / max(|plan.objective|, 1)
+  double gap = 0.0;    // |plan.objective − the solver's bound| / max(|plan.objective|, 1)
   long nodes = 0;
   double largest = 0.0;  // of all λ and y of the plan: near M, a larger M may have a better plan
   bool is_polished = false;  // the modes were solved once more without M

@@ -146,6 +146,60 @@ TEST_CASE("solve: the monolithic problem is no dearer than what C3 found") {
   CHECK(result["complementarity_violation"].get<double>() < 1e-8);
 }
 
+TEST_CASE("solve: the monolithic problem of an unstable system over a long horizon") {
+  Json json = problem();
+  json["method"] = "MIQP15";
+  json["lcs"]["A"] = {{2}};
+  json["params"]["N"] = 20;
+  const Outcome outcome = Place().solve(json);
+  CHECK(outcome.status == 0);
+  const Json result = Json::parse(outcome.output);
+  CHECK(result["status"] == "ok");
+  CHECK(result["objective"].get<double>() == Approx(0.59678083).epsilon(1e-7));
+  CHECK(result["u0"][0].get<double>() == Approx(-1.70893).epsilon(1e-5));
+  CHECK(result["gap"].get<double>() <= 1.01e-7);
+  CHECK(result["lower_bound"].get<double>() <= result["objective"].get<double>());
+}
+
+TEST_CASE("solve: the monolithic problem of the ball, whatever the units of its forces") {
+  const Json newtons =
+      Json::parse(read(C3RT_SOURCE_DIRECTORY "/tests/data/cases/miqp15_ball_N1.json"));
+  for (const double s : {1.0, 6.465e-4, 1e-7, 1e5}) {
+    INFO("s = " << s);
+    Json json = newtons;
+    Json& lcs = json["lcs"];
+    for (Json& row : lcs["D"])
+      for (Json& entry : row) entry = entry.get<double>() * s;
+    for (const char* block : {"E", "H"})
+      for (Json& row : lcs[block])
+        for (Json& entry : row) entry = entry.get<double>() / s;
+    for (Json& entry : lcs["c"]) entry = entry.get<double>() / s;
+    const Outcome outcome = Place().solve(json);
+    CHECK(outcome.status == 0);
+    const Json result = Json::parse(outcome.output);
+    CHECK(result["status"] == "ok");
+    CHECK(result["objective"].get<double>() == Approx(630.5154938).epsilon(2e-7));
+  }
+}
+
+TEST_CASE("solve: a monolithic problem without a trajectory is told from one not found in time") {
+  Json json = problem();
+  json["method"] = "MIQP15";
+  json["params"].update({{"umin", {5}}, {"xmax", {0.1}}});
+  json["lcs"]["D"] = {{0}};
+  const Outcome none = Place().solve(json);
+  CHECK(none.status == 1);
+  CHECK(Json::parse(none.output)["status"] ==
+        "fail: infeasible: no trajectory meets the constraints");
+  Json late = problem();
+  late["method"] = "MIQP15";
+  late["deadline_s"] = 0;
+  const Outcome stopped = Place().solve(late);
+  CHECK(stopped.status == 4);
+  CHECK(Json::parse(stopped.output)["status"] ==
+        "fail: stopped by the deadline after 0 QPs: no plan was found");
+}
+
 TEST_CASE("solve: a problem without an answer exits with 1 and says why") {
   Json json = problem();
   json["params"].update({{"umin", {5}}, {"xmax", {0.1}}});

@@ -90,6 +90,46 @@ TEST_CASE("a known plan is kept unless a better one is found, and saves nodes") 
   FAIL("the recorded problem is missing");
 }
 
+TEST_CASE("how a search ended is told apart") {
+  for (const golden15::Case& recorded : golden15::load()) {
+    if (recorded.name != "finger authors_traj_t2.7 N 3") continue;
+    golden15::Case c = recorded;
+    horizon::SearchSettings one;
+    one.max_nodes = 1;
+    const horizon::SearchResult cut = horizon::search(c.problem(), one);
+    CHECK(cut.status == horizon::SearchStatus::kNodeLimit);
+    CHECK_FALSE(cut.plan);
+    CHECK(cut.lower_bound > 0.0);
+    CHECK(cut.lower_bound <= c.objective);
+    CHECK(describe(cut) == "stopped at max_nodes = 1 (1 QPs solved): no plan was found");
+    one.max_nodes = 30;
+    const horizon::SearchResult better = horizon::search(c.problem(), one);
+    CHECK(better.status == horizon::SearchStatus::kNodeLimit);
+    REQUIRE(better.plan);
+    CHECK_THAT(describe(better), Catch::StartsWith("stopped at max_nodes = 30 (30 QPs solved): the "
+                                                   "best plan found is within a gap of "));
+    c.constraints.x_N_min = c.constraints.x_N_max = c.x_desired.array() + 1e3;
+    const horizon::SearchResult none = horizon::search(c.problem(), {});
+    CHECK(none.status == horizon::SearchStatus::kInfeasible);
+    CHECK_FALSE(none.plan);
+    CHECK(describe(none) == "infeasible: no trajectory meets the constraints");
+    return;
+  }
+  FAIL("the recorded problem is missing");
+}
+
+TEST_CASE("a known plan that does not meet the problem is left alone") {
+  const golden15::Case c = golden15::load().front();
+  const horizon::Problem problem = c.problem();
+  const horizon::SearchResult first = horizon::search(problem, {});
+  REQUIRE(first.plan);
+  horizon::Plan wrong = *first.plan;
+  wrong.x *= 0.5;  // cheaper, but no trajectory
+  const horizon::SearchResult again = horizon::search(problem, {}, wrong);
+  REQUIRE(again.plan);
+  CHECK(again.plan->objective == Approx(first.plan->objective).epsilon(1e-4));
+}
+
 TEST_CASE("a deadline ends the search") {
   const c3::Deadline now{[](void*) noexcept { return true; }, nullptr};
   const std::vector<golden15::Case> cases = golden15::load();
