@@ -162,3 +162,55 @@ TEST_CASE("search: the units of forces do not matter") {
             Approx(other.plan->objective).epsilon(2.2 * kGap).margin(1e-12));
   }
 }
+
+TEST_CASE("search: over a long horizon of an unstable system no feedback policy is cheaper") {
+  int proven = 0;
+  const int count = test::property_instances();
+  for (int i = 0; i < count; ++i) {
+    INFO("instance " << i);
+    support::Random random(static_cast<unsigned>(i));
+    const double a = (random.index(2) == 0 ? 1.0 : -1.0) * random.uniform(1.5, 4.0);
+    const double b = random.uniform(0.2, 1.0), r = std::pow(10.0, random.uniform(-2.0, 1.0));
+    const auto one = [](double value) { return MatrixXd::Constant(1, 1, value); };
+    const lcs::Lcs system{one(a),
+                          one(b),
+                          one(random.uniform(-0.3, 0.3)),
+                          VectorXd::Zero(1),
+                          one(random.uniform()),
+                          one(random.uniform(0.5, 2.0)),
+                          one(0.2 * random.uniform()),
+                          VectorXd::Constant(1, random.uniform(0.0, 0.3))};
+    c3::Costs costs;
+    costs.Q = MatrixXd(one(1.0));
+    costs.R = MatrixXd(one(r));
+    costs.Q_N = one(2.0);
+    const c3::Constraints none;
+    const int N = 12 + random.index(25);
+    const double x0 = random.uniform();
+    const horizon::Problem problem{{1, 1, 1, N}, {&system, 0}, &costs, &none,
+                                   MatrixXd::Zero(1, N + 1), VectorXd::Constant(1, x0)};
+    const horizon::SearchResult result = horizon::search(problem, {3000, 1e-4});
+    REQUIRE(result.plan);
+    proven += result.is_proven() ? 1 : 0;
+    CHECK(horizon::residual(problem, *result.plan) <= horizon::kMet);
+    for (const double heavier : {0.1, 1.0, 10.0}) {
+      double P = 2.0, gain = 0.0;
+      for (int k = 0; k < 200; ++k) {
+        gain = a * b * P / (heavier * r + b * b * P);
+        P = 1.0 + a * a * P - a * b * P * gain;
+      }
+      double x = x0, cost = 0.0;
+      for (int k = 0; k < N; ++k) {
+        const double u = -gain * x;
+        const double gap = system.E(0, 0) * x + system.H(0, 0) * u + system.c[0];
+        const double force = std::max(0.0, -gap / system.F(0, 0));
+        cost += x * x + r * u * u;
+        x = a * x + b * u + system.D(0, 0) * force;
+      }
+      cost += 2.0 * x * x;
+      CHECK(result.lower_bound <= cost * (1.0 + 1e-9));
+      if (result.is_proven()) CHECK(result.plan->objective <= cost * (1.0 + 1.1e-4));
+    }
+  }
+  CHECK(proven >= 0.9 * count);
+}
