@@ -17,7 +17,8 @@ namespace {
 constexpr double kLookAtDisk = 1.0;  // [s]
 // A death is seen within 0.02 s, the reflex that it caused may be told before. [s]
 constexpr double kJustBefore = 0.5;
-constexpr double kBetweenRecovers = 0.5, kRecoverWithin = 15.0, kSettled = 1.5;  // [s]
+constexpr int kMostRecovers = 5;  // an arm that stops again and again is looked at by a person
+constexpr double kBetweenRecovers = 1.0, kRecoverWithin = 15.0, kSettled = 1.5;  // [s]
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -81,7 +82,7 @@ bool Keeper::robot_well() const {
 /// and recover it. Who stopped it by hand before, or after, must.
 void Keeper::recover(double now) {
   if (restarted_.empty() || now < recover_next_) return;
-  if (now > recover_until_) {
+  if (now > recover_until_ || (recovers_ == kMostRecovers && !robot_well())) {
     tell("the robot did not recover after " + restarted_ + " was started again: c3rt recover");
     restarted_.clear();
     return;
@@ -93,9 +94,8 @@ void Keeper::recover(double now) {
       if (name == wire::process_name(status.process) && status.pid == kept.pid) return;
     }
   }
-  recover_next_ = now + kBetweenRecovers;
-  if (const auto& planner = heard(c3rt_v1_PROCESS_PLANNER); restarted_ == "planner" && target_ && !told_again_) {
-    if (!in_service(planner)) return;
+  if (restarted_ == "planner" && target_ && !told_again_) {
+    if (!in_service(heard(c3rt_v1_PROCESS_PLANNER))) return;
     wire::TaskTarget again = *target_;
     again.request_id = 0;
     target_writer_.write(again, rt::now_ns());
@@ -113,6 +113,8 @@ void Keeper::recover(double now) {
     restarted_.clear();
     return;
   }
+  recover_next_ = now + kBetweenRecovers;
+  ++recovers_;
   for (const wire::Process process :
        {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}) {
     wire::ServiceRequest wanted{};
@@ -134,6 +136,7 @@ void Keeper::bury(const ChildExit& end, double now) {
   if (!kept.given_up && (now - well_at_ < kJustBefore || !restarted_.empty())) {
     restarted_ = end.name;
     told_again_ = false;
+    recovers_ = 0;
     recover_until_ = now + kRecoverWithin;
     unwell_at_ = now;
     recover_next_ = now;

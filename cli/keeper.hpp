@@ -62,6 +62,7 @@ class Keeper {
   double well_at_ = -1e9;                           // the robot was well
   std::string restarted_;        // who was started again while the robot was well; empty: nobody
   bool told_again_ = false;  // the planner that was started again knows its target
+  int recovers_ = 0;         // asked for since then
   double recover_until_ = 0.0, recover_next_ = 0.0, unwell_at_ = 0.0;
 };
 

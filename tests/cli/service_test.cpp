@@ -2,6 +2,8 @@
 // processes that say on the bus that they run.
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -189,6 +191,25 @@ TEST_CASE("service: a DDS profile that is wrong is one line and status 2, and no
   const Outcome missing = place.c3rt("run circle_slow --dds nosuch" + place.start_options());
   CHECK(missing.status == 2);
   CHECK_THAT(missing.output, Contains("unknown DDS profile \"nosuch\""));
+}
+
+TEST_CASE("service: where a domain has no room for another program, the limit is named") {
+  const Place place(kDomain);
+  std::ifstream loopback(C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml");
+  std::string text{std::istreambuf_iterator<char>(loopback), {}};
+  const std::string limit = "<MaxAutoParticipantIndex>119<";
+  REQUIRE(text.find(limit) != std::string::npos);
+  text.replace(text.find(limit), limit.size(), "<MaxAutoParticipantIndex>1<");
+  const std::string profile = (place.path() / "one.xml").string();
+  std::ofstream(profile) << text;
+  const std::string options = place.on_domain() + " --dds '" + profile + "'";
+  const Outcome outcome = c3rt::support::outcome_of(
+      place.command("echo plan --timeout 60" + options) +
+      " >/dev/null 2>&1 & first=$!; for i in $(seq 20); do " + place.command("status" + options) +
+      "; status=$?; [ $status = 2 ] && break; done; kill $first; exit $status");
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.output, Contains("as many programs use the domain as the profile allows "
+                                      "(MaxAutoParticipantIndex; 119 with the profile loopback)"));
 }
 
 TEST_CASE("service: on a full disk nothing is started, and it is said at once") {
