@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,7 +27,7 @@ using std::chrono::milliseconds;
 
 constexpr double kDiscovery = 3.0;  // until a peer must have been found [s]
 constexpr double kPresence = 0.5;   // in which a process that runs tells its status [s]
-constexpr double kReply = 5.0;      // until a process must have answered [s]
+constexpr double kReply = 10.0;     // until a process must have answered [s]
 
 /// Looks every 10 ms. @return false when the time is over or a stop was requested
 bool wait_until(double seconds, const std::function<bool()>& condition) {
@@ -67,30 +69,41 @@ class Question {
                seat_.dds_profile == "loopback" ? " (of another host: --dds lan)" : "");
     return false;
   }
-  /// @return an exit status
-  int ask(T sample, wire::Process process) {
-    sample.request_id = static_cast<std::uint64_t>(rt::now_ns());
-    if (!writer_.write(sample, rt::now_ns())) {
-      fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
-      return kProcessFailed;
-    }
-    wire::ServiceReply reply{};
-    const bool answered = wait_until(kReply, [&] {
-      while (replies_.take(reply)) {
-        if (reply.request_id == sample.request_id) return true;
+  /// Asks all before one has to answer. @return an exit status
+  int ask(std::vector<std::pair<T, wire::Process>> samples) {
+    const auto first_id = static_cast<std::uint64_t>(rt::now_ns());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i].first.request_id = first_id + i;
+      if (!writer_.write(samples[i].first, rt::now_ns())) {
+        fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
+        return kProcessFailed;
       }
-      return false;
-    });
-    if (!answered) {
-      const bool there = speaks(bus_, process);
-      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n",
-                 wire::process_name(process), kReply,
-                 there ? "" : ", and nothing is heard of it on service/status: it does not run");
-      return kProcessFailed;
     }
-    fmt::print(reply.ok ? stdout : stderr, "{}: {}\n", wire::process_name(reply.process),
-               config::printable(reply.text, sizeof reply.text));
-    return reply.ok ? kDone : kCriterionFailed;
+    std::vector<std::optional<wire::ServiceReply>> replies(samples.size());
+    wait_until(kReply, [&] {
+      wire::ServiceReply reply{};
+      while (replies_.take(reply)) {
+        const std::uint64_t i = reply.request_id - first_id;
+        if (i < replies.size()) replies[i] = reply;
+      }
+      return std::all_of(replies.begin(), replies.end(),
+                         [](const auto& answer) { return answer.has_value(); });
+    });
+    int exit_status = kDone;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const char* process = wire::process_name(samples[i].second);
+      if (!replies[i]) {
+        const bool there = speaks(bus_, samples[i].second);
+        fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n", process, kReply,
+                   there ? "" : ", and nothing is heard of it on service/status: it does not run");
+        exit_status = kProcessFailed;
+        continue;
+      }
+      fmt::print(replies[i]->ok ? stdout : stderr, "{}: {}\n", process,
+                 config::printable(replies[i]->text, sizeof replies[i]->text));
+      if (!replies[i]->ok) exit_status = std::max<int>(exit_status, kCriterionFailed);
+    }
+    return exit_status;
   }
 
  private:
@@ -103,7 +116,7 @@ class Question {
 template <typename T>
 int ask(const Seat& seat, const T& sample, wire::Process process) {
   Question<T> question(seat);
-  return question.find_peers() ? question.ask(sample, process) : kProcessFailed;
+  return question.find_peers() ? question.ask({{sample, process}}) : kProcessFailed;
 }
 
 /// That of the instance on this domain; nothing where none of this user runs, or where it cannot be
@@ -188,16 +201,15 @@ int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v1_RequestVerb verb) {
   Question<wire::ServiceRequest> question(seat);
   if (!question.find_peers()) return kProcessFailed;
-  int exit_status = kDone;
+  // that the arm follows again is the work of all of them
+  std::vector<std::pair<wire::ServiceRequest, wire::Process>> wanted;
   for (const wire::Process process : processes) {
-    wire::ServiceRequest wanted{};
-    wanted.process = process;
-    wanted.verb = verb;
-    const int status = question.ask(wanted, process);
-    if (status == kProcessFailed) return status;
-    exit_status = std::max(exit_status, status);
+    wire::ServiceRequest sample{};
+    sample.process = process;
+    sample.verb = verb;
+    wanted.emplace_back(sample, process);
   }
-  return exit_status;
+  return question.ask(std::move(wanted));
 }
 
 int inject(const Seat& seat, wire::FaultInject fault) {

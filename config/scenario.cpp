@@ -92,6 +92,16 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
   return criteria;
 }
 
+Service load_service(Section& root) {
+  Service service{Recovery::kAutomatic};
+  if (!root.has("service")) return service;
+  Section section = root.section("service");
+  service.recovery = section.choice<Recovery>(
+      "recovery", {{"automatic", Recovery::kAutomatic}, {"by_person", Recovery::kByPerson}});
+  section.finish();
+  return service;
+}
+
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
@@ -111,12 +121,15 @@ Scenario read_scenario(Section root) {
   Section timing = root.section("timing");
   scenario.timing.solve_time_s = timing.number("solve_time_s", {0, 1});
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
+  scenario.service = load_service(root);
   scenario.plant = plant::load_parameters(root.section("plant"));
   scenario.impedance = impedance::load_parameters(root.section("impedance"));
   scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
                                               static_cast<int>(scenario.plant.world.balls.size()));
   scenario.vision = vision::load_parameters(root.section("vision"));
   root.finish();
+  const bool alone = scenario.service.recovery == Recovery::kAutomatic;
+  scenario.plant.recovers_alone = scenario.impedance.recovers_alone = alone;
   return scenario;
 }
 

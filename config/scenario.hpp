@@ -32,11 +32,20 @@ struct Timing {
   double vision_latency_s;  // exposure to estimate
 };
 
+/// Who ends a standstill that lost messages alone have brought about (commands that the robot
+/// missed, robot states that its controller missed), once they come steadily again.
+enum class Recovery { kAutomatic, kByPerson };
+
+struct Service {
+  Recovery recovery;
+};
+
 struct Scenario {
   std::string name, description;
   Task task;
   std::vector<Criterion> criteria;
   Timing timing;
+  Service service;
   plant::Parameters plant;
   impedance::Parameters impedance;
   planner::Parameters planner;

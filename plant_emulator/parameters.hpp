@@ -15,6 +15,8 @@ struct Parameters {
   World world;
   Vector7d initial_q;     // [rad]
   PushParameters pushes;  // of a hand; none if count is 0
+  // from a reflex that lost commands alone have brought about, once they come steadily again
+  bool recovers_alone = false;
 };
 
 }  // namespace c3rt::plant

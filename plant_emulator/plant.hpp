@@ -24,6 +24,7 @@ inline const Vector7d kTorqueMax = (Vector7d() << 87, 87, 87, 87, 12, 12, 12).fi
 constexpr double kTorqueRateMax = 1000.0;  // [N m/s]
 constexpr double kCycle = 1e-3;            // [s]
 constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
+constexpr int kCommandsToRecover = 200;    // in a row, then it moves again by itself
 constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 
 /// Whether whole steps of the integration fill a cycle.
@@ -90,6 +91,7 @@ class Plant {
   Vector7d brake_torque() noexcept;
   Vector7d gravity_torque() noexcept;
   void count_command(bool received) noexcept;
+  bool recovers_alone() noexcept;
   void enter(ModeState next_mode) noexcept;
   void substep(const Vector7d& tau) noexcept;
   void read() noexcept;
@@ -110,7 +112,7 @@ class Plant {
   Vector7d command_ = Vector7d::Zero();  // newest accepted
   std::uint64_t newest_seq_ = 0;
   std::int64_t newest_state_ns_ = 0;
-  int lost_in_a_row_ = 0;
+  int lost_in_a_row_ = 0, back_in_a_row_ = 0;
   std::bitset<kSuccessWindow> received_;
   int window_ = 0;  // cycles counted in received_, at most kSuccessWindow
   int window_at_ = 0;

@@ -35,6 +35,12 @@ constexpr std::int64_t kCycleNs = 1'000'000;
 constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
 constexpr std::int64_t kJoinTimeoutNs = 60'000'000'000;  // lockstep: the other processes' start
 constexpr std::int64_t kPollNs = 50'000'000;             // of the thread that serves clients
+constexpr std::int64_t kCyclesToObey = 2;                // of a request
+// It is answered when it is known to have worked: recovered, the robot has moved for so many
+// cycles; stopped, it stands. If it has not by then, the answer says why not.
+constexpr std::int64_t kSteadyCycles = 400;
+constexpr std::int64_t kAnswerWithinCycles = 3000;
+constexpr double kStanding = 0.02;  // [rad/s]
 constexpr int kStepPriority = 70;  // below the impedance process, for whose answer the robot waits
 
 /// Due instants of a period on the session's clock: true once for each that has passed.
@@ -119,6 +125,8 @@ class Cycle {
     saturated_.store(s.saturated_cycles, std::memory_order_relaxed);
     if (s.mode == Mode::kReflex && mode_ != Mode::kReflex) ++reflexes_;
     moving_ = s.mode == Mode::kMove ? moving_ + 1 : 0;
+    shown_moving_.store(moving_, std::memory_order_relaxed);
+    shown_standing_.store(s.dq.cwiseAbs().maxCoeff() < kStanding, std::memory_order_relaxed);
     const auto success = static_cast<std::uint64_t>(std::lround(1000 * s.command_success_rate));
     success_.store(success, std::memory_order_relaxed);
     // the window must be full, or one early loss would read as a bad connection
@@ -148,6 +156,9 @@ class Cycle {
   // for the thread that serves clients
   Mode mode() const noexcept { return shown_mode_.load(std::memory_order_relaxed); }
   Errors errors() const noexcept { return shown_errors_.load(std::memory_order_relaxed); }
+  std::int64_t cycles() const noexcept { return static_cast<std::int64_t>(cycles_.load()); }
+  int moving_cycles() const noexcept { return shown_moving_.load(std::memory_order_relaxed); }
+  bool standing() const noexcept { return shown_standing_.load(std::memory_order_relaxed); }
 
  private:
   /// Stands still, but not when it is asked to end.
@@ -171,6 +182,8 @@ class Cycle {
   Mode mode_ = Mode::kIdle;
   std::atomic<Mode> shown_mode_{Mode::kIdle};
   std::atomic<Errors> shown_errors_{0};
+  std::atomic<int> shown_moving_{0};
+  std::atomic<bool> shown_standing_{false};
 };
 
 /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
@@ -191,8 +204,9 @@ class ClientDesk {
     replies_.answer_refused(faults_, now_ns);
     wire::ServiceRequest request;
     while (requests_.take(request)) {
-      if (request.process == c3rt_v1_PROCESS_PLANT) answer(request, now_ns);
+      if (request.process == c3rt_v1_PROCESS_PLANT) take(request, now_ns);
     }
+    answer(now_ns);
     wire::FaultInject fault;
     while (faults_.take(fault)) {
       if (fault.process == c3rt_v1_PROCESS_PLANT) inject(fault, now_ns);
@@ -201,16 +215,69 @@ class ClientDesk {
   }
 
  private:
-  void answer(const wire::ServiceRequest& request, std::int64_t now_ns) {
+  struct Pending {
+    std::uint64_t id;
+    bool recover;               // else: stop
+    std::int64_t since_cycles;  // when it was taken
+  };
+
+  void take(const wire::ServiceRequest& request, std::int64_t now_ns) {
     if (request.verb == c3rt_v1_REQUEST_SHUTDOWN) return;  // the clock obeys and answers it
     const bool recover = request.verb == c3rt_v1_REQUEST_RECOVER;
-    const bool taken = orders_.put(
-        {recover ? OrderKind::kRecover : OrderKind::kStop, 0, 0, Eigen::Vector3d::Zero()});
-    replies_.answer(request.request_id, taken,
-          !taken    ? "too many requests at once"
-          : recover ? "idle; the next valid command moves the arm"
-                    : "stopped; recover ends it",
-          now_ns);
+    if (orders_.put(
+            {recover ? OrderKind::kRecover : OrderKind::kStop, 0, 0, Eigen::Vector3d::Zero()})) {
+      pending_.push_back({request.request_id, recover, cycle_.cycles()});
+    } else {
+      replies_.answer(request.request_id, false, "too many requests at once", now_ns);
+    }
+  }
+
+  void answer(std::int64_t now_ns) {
+    const auto answered = [&](const Pending& pending) {
+      const std::int64_t passed = cycle_.cycles() - pending.since_cycles;
+      if (passed <= kCyclesToObey) return false;
+      return pending.recover ? answer_recovery(pending, passed, now_ns)
+                             : answer_stop(pending, passed, now_ns);
+    };
+    pending_.erase(std::remove_if(pending_.begin(), pending_.end(), answered), pending_.end());
+  }
+
+  /// @return false: it is not yet known
+  bool answer_stop(const Pending& pending, std::int64_t passed, std::int64_t now_ns) {
+    const bool stands = cycle_.mode() != Mode::kMove && cycle_.standing();
+    if (!stands && passed < kAnswerWithinCycles) return false;
+    replies_.answer(
+        pending.id, stands,
+        stands ? "stopped, the arm stands; recover ends it" : "the arm does not stand yet", now_ns);
+    return true;
+  }
+
+  /// @return false: it is not yet known
+  bool answer_recovery(const Pending& pending, std::int64_t passed, std::int64_t now_ns) {
+    const Mode mode = cycle_.mode();
+    const bool moves = mode == Mode::kMove && cycle_.moving_cycles() >= kSteadyCycles;
+    const bool stopped_again = mode == Mode::kReflex || mode == Mode::kUserStopped;
+    if (!moves && !stopped_again && passed < kAnswerWithinCycles) return false;
+    replies_.answer(pending.id, moves,
+                    mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"
+                    : mode == Mode::kMove && !moves ? "the robot stopped again and moves again"
+                                                    : mode_text(),
+                    now_ns);
+    return true;
+  }
+
+  std::string mode_text() const {
+    switch (cycle_.mode()) {
+      case Mode::kIdle:
+        return "idle: holds its position and waits for a command";
+      case Mode::kMove:
+        return "follows commands";
+      case Mode::kReflex:
+        return "reflex: " + names(cycle_.errors()) + "; request recover";
+      case Mode::kUserStopped:
+        break;
+    }
+    return "stopped by a person; request recover";
   }
 
   void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
@@ -242,11 +309,7 @@ class ClientDesk {
     mode_ = mode;
     errors_ = errors;
     const bool well = mode == Mode::kIdle || mode == Mode::kMove;
-    const std::string text =
-        mode == Mode::kIdle     ? "idle: holds its position and waits for a command"
-        : mode == Mode::kMove   ? "follows commands"
-        : mode == Mode::kReflex ? "reflex: " + names(errors) + "; request recover"
-                                : "stopped by a person; request recover";
+    const std::string text = mode_text();
     status_.set_state(well ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED, text);
     spdlog::info("mode {}", text);
   }
@@ -258,6 +321,7 @@ class ClientDesk {
   const Cycle& cycle_;
   wire::StatusReporter& status_;
   OrderQueue& orders_;
+  std::vector<Pending> pending_;
   bool reported_ = false;
   Mode mode_ = Mode::kIdle;
   Errors errors_ = 0;

@@ -10,14 +10,24 @@ namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
 constexpr double kQuaternionTolerance = 1e-2;  // a norm farther from 1 is no orientation
+// what no planner of this arm can mean; more than the limits but less than this is cut to them
+constexpr double kFarthest = 2.0;         // from the robot's base [m]
+constexpr double kFastest = 10.0;         // [m/s]
+constexpr double kStrongest = 200.0;      // [N]
+constexpr double kLongestDeltaT_c = 1.0;  // [s]
+// of a joint's velocity limit: from here the reference asks for less, from there for nothing
+constexpr double kFastJoint = 0.5, kTooFastJoint = 0.8;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
   return static_cast<double>(to_ns - from_ns) * kSecondsPerNs;
 }
 
-bool is_finite(const Plan& plan) noexcept {
-  return plan.p_WE.allFinite() && plan.v_WE.allFinite() && plan.q_WE.coeffs().allFinite() &&
-         plan.force_E.allFinite() && std::isfinite(plan.delta_t_c);
+/// Finite, and of this world. (A comparison with NaN is false.)
+bool is_plausible(const Plan& plan) noexcept {
+  return plan.p_WE.norm() <= kFarthest && plan.v_WE.norm() <= kFastest &&
+         plan.force_E.norm() <= kStrongest && plan.delta_t_c >= 0.0 &&
+         plan.delta_t_c <= kLongestDeltaT_c &&
+         std::abs(plan.q_WE.norm() - 1.0) <= kQuaternionTolerance;
 }
 
 StopReason reason_of(StateFault fault) noexcept {
@@ -49,6 +59,17 @@ Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Qua
   return angle <= step ? to : from.slerp(step / angle, to).normalized();
 }
 
+/// 1 while every joint is well within its velocity limit, 0 near it.
+double ease(const Vector7d& dq, const Vector7d& dq_max) noexcept {
+  const double fastest = (dq.array().abs() / dq_max.array()).maxCoeff();
+  return std::clamp((kTooFastJoint - fastest) / (kTooFastJoint - kFastJoint), 0.0, 1.0);
+}
+
+/// The error that the law answers with an acceleration.
+double lead(double acceleration, double stiffness) noexcept {
+  return std::min(kFarthest, acceleration / std::max(stiffness, 1e-9));
+}
+
 }  // namespace
 
 StateFault judge_state(const Input& input, const Limits& limits) noexcept {
@@ -68,10 +89,7 @@ PlanVerdict judge_plan(const Input& input, const Limits& limits) noexcept {
   const Plan& plan = input.plan;
   if (plan.session_id == 0 || plan.session_id != input.session_id)
     return PlanVerdict::kOtherSession;
-  if (plan.status == PlanStatus::kUnknown || !is_finite(plan) || plan.delta_t_c < 0.0 ||
-      std::abs(plan.q_WE.norm() - 1.0) > kQuaternionTolerance) {
-    return PlanVerdict::kInvalid;
-  }
+  if (plan.status == PlanStatus::kUnknown || !is_plausible(plan)) return PlanVerdict::kInvalid;
   if (input.now_ns > plan.valid_until_ns ||
       seconds_between(plan.stamp_ns, input.now_ns) > limits.plan_timeout) {
     return PlanVerdict::kStale;
@@ -109,11 +127,14 @@ Output Controller::step(const Input& input) noexcept {
   if (input.has_state && input.session_id != session_id_) meet_new_robot(input.session_id);
   change_mode(input);
 
-  if (mode_ != Mode::kWait) {
-    const bool state_usable = fault_ != StateFault::kNotFinite && stale_cycles_ <= kPatience;
+  // an old state says nothing about the arm of now; until its patience ends the last torque stays
+  const bool waits_for_state = stale_cycles_ > 0 && stale_cycles_ <= kPatience;
+  if (mode_ != Mode::kWait && !waits_for_state) {
+    const bool state_usable = fault_ != StateFault::kNotFinite && stale_cycles_ == 0;
     Vector7d wanted = Vector7d::Zero();
     if (state_usable) {
       arm_.update(input.q, input.dq, state_);
+      if (mode_ == Mode::kStop) rest_here();
       // an old velocity damps nothing, so without a usable state the torque fades out instead
       wanted = mode_ == Mode::kStop
                    ? Vector7d(-parameters_.limits.stop_damping * (state_.M * input.dq))
@@ -136,6 +157,7 @@ Output Controller::step(const Input& input) noexcept {
   output.q_WE_desired = reference_.q_WE;
   output.stop_reason = stop_reason_;
   output.plan = plan_verdict_;
+  output.steady_cycles = steady_cycles_;
   output.counters = counters_;
   return output;
 }
@@ -146,6 +168,8 @@ void Controller::meet_new_robot(std::uint64_t session_id) noexcept {
   stop_reason_ = StopReason::kNone;
   judged_plan_ns_ = 0;
   stale_cycles_ = 0;
+  previous_now_ns_ = 0;
+  away_ = false;
   tau_.setZero();
 }
 
@@ -158,6 +182,10 @@ void Controller::change_mode(const Input& input) noexcept {
   }
   fault_ = judge_state(input, parameters_.limits);
   stale_cycles_ = fault_ == StateFault::kStale ? stale_cycles_ + 1 : 0;
+  const double pause = seconds_between(previous_now_ns_, input.now_ns);
+  away_ = away_ || stale_cycles_ > 0 ||
+          (previous_now_ns_ != 0 && pause > kPatience * parameters_.period);
+  previous_now_ns_ = input.now_ns;
   if (fault_ == StateFault::kStale && stale_cycles_ <= kPatience) fault_ = StateFault::kNone;
 
   Health health{};
@@ -166,7 +194,7 @@ void Controller::change_mode(const Input& input) noexcept {
   health.robot_moves = input.robot_moves;
   health.plan_good = plan_verdict_ == PlanVerdict::kGood;
   health.stop = input.stop;
-  health.recover = input.recover;
+  health.recover = recovers(input.recover);
   const Mode before = mode_;
   mode_ = next(before, health);
 
@@ -180,14 +208,23 @@ void Controller::change_mode(const Input& input) noexcept {
   }
 
   const bool moving = mode_ == Mode::kHold || mode_ == Mode::kTrack;
-  if (!moving) return;
-  const bool was_moving = before == Mode::kHold || before == Mode::kTrack;
-  if (!was_moving || before != mode_ || !input.robot_moves) {
+  steady_cycles_ = moving && input.robot_moves ? steady_cycles_ + 1 : 0;
+  if (!moving || stale_cycles_ > 0) return;
+  // a robot that was not under our control is wherever it is: start from there
+  const bool anew = before == Mode::kWait || before == Mode::kStop || away_ || !input.robot_moves ||
+                    (before == Mode::kHold && mode_ == Mode::kTrack);
+  if (anew || before != mode_) {
     arm_.update(input.q, input.dq, state_);
     X_WE_hold_ = state_.X_WE;
-    // a robot that was not under our control is wherever it is: start from there
-    if (!was_moving || !input.robot_moves) rest_here();
   }
+  if (anew) rest_here();
+  away_ = false;
+}
+
+bool Controller::recovers(bool asked) noexcept {
+  const bool missing = mode_ == Mode::kStop && stop_reason_ == StopReason::kStateStale;
+  good_cycles_ = missing && stale_cycles_ == 0 && fault_ == StateFault::kNone ? good_cycles_ + 1 : 0;
+  return asked || (parameters_.recovers_alone && good_cycles_ >= kGoodStates);
 }
 
 void Controller::rest_here() noexcept {
@@ -195,51 +232,91 @@ void Controller::rest_here() noexcept {
   reference_.v_WE.setZero();
   reference_.q_WE = Eigen::Quaterniond(state_.X_WE.linear());
   reference_.force_E.setZero();
+  tau_of_goal_.setZero();
 }
 
-void Controller::move_reference(const Input& input) noexcept {
+Goal Controller::target(const Input& input) noexcept {
   const Limits& limits = parameters_.limits;
   Goal target;
   target.p_WE = X_WE_hold_.translation();
   target.v_WE.setZero();
   target.q_WE = Eigen::Quaterniond(X_WE_hold_.linear());
   target.force_E.setZero();
+  if (mode_ != Mode::kTrack) return target;
 
-  if (mode_ == Mode::kTrack) {
-    const Plan& plan = input.plan;
-    target.p_WE = plan.p_WE;
-    target.v_WE = plan.v_WE;
-    target.q_WE = plan.q_WE.normalized();
-    if (parameters_.reference == Reference::kInterpolate) {
-      const double to_go = plan.delta_t_c - seconds_between(plan.stamp_ns, input.now_ns);
-      target.p_WE -= plan.v_WE * std::max(to_go, 0.0);
-      if (to_go <= 0.0) target.v_WE.setZero();
-    }
-    const Eigen::Vector3d inside =
-        target.p_WE.cwiseMax(limits.workspace_min).cwiseMin(limits.workspace_max);
-    if (inside != target.p_WE) {
-      ++counters_.workspace_clamps;
-      target.v_WE = (inside.array() == target.p_WE.array()).select(target.v_WE, 0.0);
-      target.p_WE = inside;
-    }
-    target.v_WE = move_towards(Eigen::Vector3d::Zero(), target.v_WE, limits.reference_speed);
-    if (parameters_.feed_forward && plan.status != PlanStatus::kFallback &&
-        plan.force_E.norm() > parameters_.feed_forward_threshold) {
-      target.force_E = plan.force_E;
-    }
+  const Plan& plan = input.plan;
+  target.p_WE = plan.p_WE;
+  target.v_WE = plan.v_WE;
+  target.q_WE = plan.q_WE.normalized();
+  if (parameters_.reference == Reference::kInterpolate) {
+    const double to_go = plan.delta_t_c - seconds_between(plan.stamp_ns, input.now_ns);
+    target.p_WE -= plan.v_WE * std::max(to_go, 0.0);
+    if (to_go <= 0.0) target.v_WE.setZero();
   }
+  const Eigen::Vector3d inside =
+      target.p_WE.cwiseMax(limits.workspace_min).cwiseMin(limits.workspace_max);
+  if (inside != target.p_WE) {
+    ++counters_.workspace_clamps;
+    target.v_WE = (inside.array() == target.p_WE.array()).select(target.v_WE, 0.0);
+    target.p_WE = inside;
+  }
+  if (parameters_.feed_forward && plan.status != PlanStatus::kFallback &&
+      plan.force_E.norm() > parameters_.feed_forward_threshold) {
+    target.force_E = plan.force_E;
+  }
+  return target;
+}
 
-  reference_.p_WE =
-      move_towards(reference_.p_WE, target.p_WE, limits.reference_speed * parameters_.period);
-  reference_.q_WE = turn_towards(reference_.q_WE, target.q_WE,
-                                 limits.reference_angular_speed * parameters_.period);
-  reference_.v_WE = target.v_WE;
-  reference_.force_E = target.force_E;
+void Controller::move_reference(const Input& input) noexcept {
+  const Limits& limits = parameters_.limits;
+  const double period = parameters_.period;
+  const Goal wanted = target(input);
+  const double given = ease(input.dq, limits.dq_max);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+
+  const Eigen::Vector3d p_WE = state_.X_WE.translation();
+  const double farthest =
+      given * lead(limits.lead_acceleration, parameters_.gains.stiffness.head<3>().maxCoeff());
+  const Eigen::Vector3d next =
+      move_towards(reference_.p_WE, wanted.p_WE, limits.reference_speed * period);
+  reference_.p_WE = move_towards(p_WE, next, farthest);
+
+  const Eigen::Quaterniond q_WE(state_.X_WE.linear());
+  // the law's rotational error is half an angle
+  const double farthest_turn = given * 2.0 *
+                               lead(limits.lead_angular_acceleration,
+                                    parameters_.gains.stiffness.tail<3>().maxCoeff());
+  const Eigen::Quaterniond next_turn =
+      turn_towards(reference_.q_WE, wanted.q_WE, limits.reference_angular_speed * period);
+  reference_.q_WE = turn_towards(q_WE, next_turn, farthest_turn);
+
+  // an arm that is far from its plan moves no farther away from it, and touches something else than
+  // the plan means, or nothing: no force of the plan's
+  const Eigen::Vector3d way = wanted.p_WE - p_WE;
+  const double off = way.norm();
+  const double at_plan = off <= farthest ? 1.0 : std::clamp(2.0 - off / farthest, 0.0, 1.0);
+  const bool away = way.dot(wanted.v_WE) < 0.0;
+  const Eigen::Vector3d v_WE =
+      move_towards(none, (away ? at_plan * given : given) * wanted.v_WE, limits.plan_speed);
+  reference_.v_WE = move_towards(reference_.v_WE, v_WE, limits.plan_acceleration * period);
+  reference_.force_E = given * at_plan * move_towards(none, wanted.force_E, limits.plan_force);
+
+  if (reference_.p_WE != next || v_WE != wanted.v_WE || reference_.force_E != wanted.force_E)
+    ++counters_.plan_clamps;
 }
 
 Vector7d Controller::law_torque(const Input& input) noexcept {
   move_reference(input);
-  return torque(parameters_.gains, state_, input.q, input.dq, reference_);
+  const Torque wanted = torque(parameters_.gains, state_, input.q, input.dq, reference_);
+  const Vector7d change = wanted.of_goal - tau_of_goal_;
+  const double largest = change.cwiseAbs().maxCoeff();
+  const double step = 0.5 * parameters_.limits.tau_rate_max * parameters_.period;
+  if (largest <= step) {
+    tau_of_goal_ = wanted.of_goal;
+  } else {
+    tau_of_goal_ += change * (step / largest);
+  }
+  return tau_of_goal_ + wanted.of_arm;
 }
 
 Vector7d Controller::limited(const Vector7d& wanted) noexcept {

@@ -57,6 +57,9 @@ struct Input {
 /// commands.
 constexpr int kPatience = 20;
 
+/// Good robot states in a row after which a controller that recovers alone goes on.
+constexpr int kGoodStates = 200;
+
 /// What is wrong with the robot state; anything but kNone stops the arm (kStale: after kPatience
 /// cycles).
 enum class StateFault { kNone, kStale, kNotFinite, kJointPosition, kJointVelocity };
@@ -81,8 +84,9 @@ const char* to_text(StopReason reason) noexcept;
 struct Counters {
   std::uint64_t stale_plan_events = 0;    // times that a tracked plan became too old
   std::uint64_t plans_other_session = 0;  // plans refused: of another session
-  std::uint64_t plans_invalid = 0;        // plans refused: not finite, or of an unknown status
+  std::uint64_t plans_invalid = 0;  // plans refused: not finite, out of all measure, status unknown
   std::uint64_t workspace_clamps = 0;     // the plan was outside the box
+  std::uint64_t plan_clamps = 0;  // it asked for more than the arm gives: speed, lead or force
   std::uint64_t torque_clamps = 0;
   std::uint64_t torque_rate_clamps = 0;
   std::uint64_t stops = 0;  // times that the arm was stopped
@@ -96,14 +100,25 @@ struct Output {
   Eigen::Quaterniond q_WE_desired;
   StopReason stop_reason;
   PlanVerdict plan;
+  int steady_cycles;  // in a row: the robot moves, and is held or tracks
   Counters counters;
 };
 
 /// The impedance controller at a fixed rate.
 ///
-/// The reference never jumps: it moves towards the plan (or the pose to hold) at most at the
-/// limits' speeds, and the torque changes at most by tau_rate_max * period per cycle. A robot of a
-/// new session is a new robot: all memory of the old one, a latched stop included, is dropped.
+/// The reference begins where the arm is, at rest, whenever the arm was not under our control: at
+/// the start, after a stop, while the robot takes no commands, after cycles or states that were
+/// missing, and when a plan comes after none. From there it moves towards the plan (or the pose to
+/// hold) at most at the limits' speeds, v_d changes at most at their acceleration, and it never
+/// leads the arm by more than the limits allow. So whatever a plan asks, the arm is asked for no
+/// more than it can give; near the joints' velocity limits for less and less.
+///
+/// The torque changes at most by tau_rate_max * period per cycle. What the plan asks has half of
+/// that, all joints in proportion: if it had all of it, the damping would come too late, and the
+/// joints that need little torque before those that need much, which turns the elbow and the wrist.
+///
+/// A robot of a new session is a new robot: all memory of the old one, a latched stop included, is
+/// dropped.
 class Controller {
  public:
   Controller(const Parameters& parameters, model::Arm arm);
@@ -118,6 +133,8 @@ class Controller {
   void meet_new_robot(std::uint64_t session_id) noexcept;
   void change_mode(const Input& input) noexcept;
   void rest_here() noexcept;
+  bool recovers(bool asked) noexcept;
+  Goal target(const Input& input) noexcept;
   void move_reference(const Input& input) noexcept;
   Vector7d law_torque(const Input& input) noexcept;
   Vector7d limited(const Vector7d& wanted) noexcept;
@@ -130,11 +147,14 @@ class Controller {
   Mode mode_ = Mode::kWait;
   StopReason stop_reason_ = StopReason::kNone;
   StateFault fault_ = StateFault::kNone;
-  int stale_cycles_ = 0;  // in a row
+  int stale_cycles_ = 0, good_cycles_ = 0, steady_cycles_ = 0;  // in a row
+  std::int64_t previous_now_ns_ = 0;
+  bool away_ = false;  // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
   Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();
   Goal reference_;
+  Vector7d tau_of_goal_ = Vector7d::Zero();
   Vector7d tau_ = Vector7d::Zero();
   Counters counters_;
 };

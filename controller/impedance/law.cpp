@@ -52,19 +52,21 @@ Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force
   return -J_WE.topRows<3>().transpose() * force_E;
 }
 
-Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
-                const Goal& goal) noexcept {
+Torque torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
+              const Goal& goal) noexcept {
   const TaskInertia task = task_inertia(arm);
-  const Vector6d e = pose_error(arm.X_WE, goal.p_WE, goal.q_WE);
-  Vector6d e_dot = -arm.V_WE;
-  e_dot.head<3>() += goal.v_WE;
-
-  const Vector6d acceleration = gains.stiffness.cwiseProduct(e) + gains.damping.cwiseProduct(e_dot);
-  const Vector6d wrench = weight(gains.inertia, task.Lambda) * acceleration;
+  const Matrix6d Lambda = weight(gains.inertia, task.Lambda);
+  Vector6d asked = gains.stiffness.cwiseProduct(pose_error(arm.X_WE, goal.p_WE, goal.q_WE));
+  asked.head<3>() += gains.damping.head<3>().cwiseProduct(goal.v_WE);
+  const Vector6d damped = -gains.damping.cwiseProduct(arm.V_WE);
   const Vector7d posture =
       gains.null_space_stiffness * (gains.null_space_q - q) - gains.null_space_damping * dq;
-  return arm.J_WE.transpose() * wrench + arm.coriolis +
-         feed_forward_torque(arm.J_WE, goal.force_E) + task.N * posture;
+  Torque torque;
+  torque.of_goal =
+      arm.J_WE.transpose() * (Lambda * asked) + feed_forward_torque(arm.J_WE, goal.force_E);
+  torque.of_arm =
+      arm.J_WE.transpose() * (Lambda * damped) + arm.coriolis + task.N * posture;
+  return torque;
 }
 
 }  // namespace c3rt::impedance

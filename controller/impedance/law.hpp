@@ -90,9 +90,14 @@ constexpr double kSmallestMobility = 0.005;
 /// RT: no heap, no lock, no throw.
 Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept;
 
-/// τ of eq. (36) without gravity; q̇_d^f = 0. [N m]
+/// τ of eq. (36) without gravity, q̇_d^f = 0, in two parts. [N m]
+struct Torque {
+  Vector7d of_goal;  // of x_d - x, ẋ_d and λ_d: 0 for a goal where the arm is, at rest
+  Vector7d of_arm;   // of its velocity and posture
+  Vector7d sum() const { return of_goal + of_arm; }
+};
 /// RT: no heap, no lock, no throw.
-Vector7d torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
-                const Goal& goal) noexcept;
+Torque torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const Vector7d& dq,
+              const Goal& goal) noexcept;
 
 }  // namespace c3rt::impedance

@@ -35,6 +35,12 @@ Limits load_limits(config::Section section) {
   Limits limits;
   limits.reference_speed = section.number("reference_speed_m_per_s", {0.01, 2});
   limits.reference_angular_speed = section.number("reference_angular_speed_rad_per_s", {0.01, 5});
+  limits.plan_speed = section.number("plan_speed_m_per_s", {0.01, 2}, 0.25);
+  limits.plan_acceleration = section.number("plan_acceleration_m_per_s2", {0.1, 200}, 25.0);
+  limits.lead_acceleration = section.number("lead_acceleration_m_per_s2", {0.1, 200}, 6.25);
+  limits.lead_angular_acceleration =
+      section.number("lead_angular_acceleration_rad_per_s2", {0.1, 500}, 15.0);
+  limits.plan_force = section.number("plan_force_n", {0, 100}, 30.0);
   limits.workspace_min = section.numbers("workspace_min_m", 3, {-1.2, 1.2});
   limits.workspace_max = section.numbers("workspace_max_m", 3, {-1.2, 1.2});
   require_ordered(section, "workspace_min_m", "workspace_max_m", limits.workspace_min,

@@ -19,10 +19,17 @@ enum class Reference {
 struct Limits {
   double reference_speed;          // of the tracked position [m/s]
   double reference_angular_speed;  // of the tracked orientation [rad/s]
+  // What a plan may ask of the arm. The reference leads the arm by no more than what the law
+  // answers with these accelerations, however far away a plan is.
+  double plan_speed;                 // v_d [m/s]
+  double plan_acceleration;          // its change [m/s^2]
+  double lead_acceleration;          // [m/s^2]
+  double lead_angular_acceleration;  // [rad/s^2]
+  double plan_force;                 // that is fed forward [N]
   Eigen::Vector3d workspace_min;   // box for the tracked position, in W [m]
   Eigen::Vector3d workspace_max;
   model::Vector7d tau_max;       // [N m]
-  double tau_rate_max;           // [N m/s]
+  double tau_rate_max;           // half of it at most for what the plan asks [N m/s]
   model::Vector7d q_min, q_max;  // outside: stop [rad]
   model::Vector7d dq_max;        // outside: stop [rad/s]
   double state_timeout;          // an older robot state stops the arm for good [s]
@@ -37,6 +44,7 @@ struct Thread {
 
 struct Parameters {
   double period;  // [s]
+  bool recovers_alone = false;  // from a robot state that was missing, once it comes steadily again
   Reference reference;
   bool feed_forward;
   double feed_forward_threshold;  // forces below this are not fed forward [N]

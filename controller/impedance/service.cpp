@@ -12,7 +12,11 @@ namespace c3rt::impedance {
 namespace {
 
 // a request is handed over during one cycle and surely obeyed in the next
-constexpr std::uint64_t kCyclesToAnswer = 2;
+constexpr std::uint64_t kCyclesToObey = 2;
+// It is answered when it is known to have worked: recovered, the arm has been held or has tracked
+// for so many cycles; stopped, it stands. If it has not by then, the answer says why not.
+constexpr int kSteadyCycles = 400;
+constexpr std::uint64_t kAnswerWithinCycles = 3000;
 
 c3rt_v1_ServiceState state_of(const Snapshot& snapshot) {
   switch (snapshot.mode) {
@@ -73,6 +77,7 @@ Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
       plans_other_session_(status.counter("plans_other_session")),
       plans_invalid_(status.counter("plans_invalid")),
       workspace_clamps_(status.counter("workspace_clamps")),
+      plan_clamps_(status.counter("plan_clamps")),
       torque_clamps_(status.counter("torque_clamps")),
       torque_rate_clamps_(status.counter("torque_rate_clamps")),
       stops_(status.counter("stops")),
@@ -109,17 +114,30 @@ void Service::take_requests() {
 }
 
 void Service::answer_requests() {
-  const auto seen = [this](const Pending& pending) {
-    return snapshot_.cycle >= pending.cycle + kCyclesToAnswer;
-  };
-  for (const Pending& pending : pending_) {
-    if (!seen(pending)) continue;
-    const bool stopped = snapshot_.mode == Mode::kStop;
-    replies_.answer(pending.request.request_id,
-                    stopped == (pending.request.verb == c3rt_v1_REQUEST_STOP), describe(snapshot_),
-                    rt::now_ns());
+  pending_.erase(std::remove_if(pending_.begin(), pending_.end(),
+                                [this](Pending& pending) { return answered(pending); }),
+                 pending_.end());
+}
+
+bool Service::answered(Pending& pending) {
+  if (snapshot_.cycle < pending.cycle + kCyclesToObey) return false;
+  const bool late = snapshot_.cycle >= pending.cycle + kAnswerWithinCycles;
+  const bool stopped = snapshot_.mode == Mode::kStop;
+  bool ok = false;
+  std::string text = describe(snapshot_);
+  if (pending.request.verb == c3rt_v1_REQUEST_STOP) {
+    ok = stopped && snapshot_.standing;
+    if (!ok && !late) return false;
+    if (!ok) text += "; the arm does not stand yet";
+  } else {
+    ok = snapshot_.steady_cycles >= kSteadyCycles;
+    const bool again = stopped || (pending.moved && snapshot_.steady_cycles == 0);
+    pending.moved = pending.moved || snapshot_.steady_cycles > 0;
+    if (!ok && !again && !late) return false;
+    if (!ok && !snapshot_.robot_moves) text += "; the robot does not move";
   }
-  pending_.erase(std::remove_if(pending_.begin(), pending_.end(), seen), pending_.end());
+  replies_.answer(pending.request.request_id, ok, text, rt::now_ns());
+  return true;
 }
 
 void Service::take_faults() {
@@ -144,6 +162,7 @@ void Service::update_counters() {
   plans_other_session_ = counters.plans_other_session;
   plans_invalid_ = counters.plans_invalid;
   workspace_clamps_ = counters.workspace_clamps;
+  plan_clamps_ = counters.plan_clamps;
   torque_clamps_ = counters.torque_clamps;
   torque_rate_clamps_ = counters.torque_rate_clamps;
   stops_ = counters.stops;

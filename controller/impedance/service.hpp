@@ -33,10 +33,12 @@ class Service {
   struct Pending {
     wire::ServiceRequest request;
     std::uint64_t cycle;  // the servo's newest when the request was taken
+    bool moved = false;   // since then
   };
   void take_requests();
   void take_faults();
   void answer_requests();
+  bool answered(Pending& pending);
   void update_counters();
 
   Servo& servo_;
@@ -49,7 +51,7 @@ class Service {
   std::string text_;
 
   std::atomic<std::uint64_t>&missed_cycles_, &stale_plan_events_, &plans_other_session_,
-      &plans_invalid_, &workspace_clamps_, &torque_clamps_, &torque_rate_clamps_, &stops_,
+      &plans_invalid_, &workspace_clamps_, &plan_clamps_, &torque_clamps_, &torque_rate_clamps_, &stops_,
       &states_lost_, &plans_lost_, &commands_failed_, &state_to_command_p50_,
       &state_to_command_p99_;
 };

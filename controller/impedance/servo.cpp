@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
 constexpr std::int64_t kEndFault = -1;
+constexpr double kStanding = 0.02;  // [rad/s]
 
 Eigen::Vector3d to_vector(const double (&v)[3]) noexcept {
   return Eigen::Vector3d(v[0], v[1], v[2]);
@@ -108,6 +109,9 @@ void Servo::cycle(std::int64_t now_ns) noexcept {
   snapshot_.mode = output.mode;
   snapshot_.stop_reason = output.stop_reason;
   snapshot_.plan = output.plan;
+  snapshot_.robot_moves = input_.robot_moves;
+  snapshot_.standing = input_.dq.cwiseAbs().maxCoeff() < kStanding;
+  snapshot_.steady_cycles = output.steady_cycles;
   snapshot_.counters = output.counters;
   snapshots_.put(snapshot_);
 }

@@ -17,6 +17,9 @@ struct Snapshot {
   Mode mode = Mode::kWait;
   StopReason stop_reason = StopReason::kNone;
   PlanVerdict plan = PlanVerdict::kNone;
+  bool robot_moves = false;
+  bool standing = false;  // every joint
+  int steady_cycles = 0;  // in a row: the robot moves, and is held or tracks
   Counters counters;
 };
 

@@ -36,7 +36,7 @@ void Approach::to_ball(const ApproachInput& input, const Eigen::Vector3d& p_WB) 
   // nor does an arm that rests near enough chase it
   const bool rests = velocity_.isZero(0.0) && (goal - reference_).norm() < kRest * tolerance;
   advance(input, rests ? reference_ : goal);
-  if ((input.p_WE - start).norm() > tolerance) {
+  if (!input.follows || (input.p_WE - start).norm() > tolerance) {
     settled_since_ = -1.0;
   } else if (settled_since_ < 0.0) {
     settled_since_ = input.now;
@@ -52,6 +52,11 @@ bool Approach::settled(double now) const noexcept {
 }
 
 void Approach::advance(const ApproachInput& input, const Eigen::Vector3d& goal) noexcept {
+  if (!input.follows) {
+    reference_ = input.p_WE;
+    velocity_.setZero();
+    return;
+  }
   if ((reference_ - input.p_WE).norm() > parameters_.leash) {
     velocity_.setZero();
     return;

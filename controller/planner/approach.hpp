@@ -11,11 +11,13 @@ struct ApproachInput {
   double now;            // session time [s]
   double period;         // since the last call [s]
   Eigen::Vector3d p_WE;  // the end effector [m]
+  bool follows = true;   // the robot moves and tracks the plans
 };
 
 /// A reference that starts and ends gently, as one whose velocity jumps drives a stiff arm into its
-/// torque limits, and that waits for an arm that does not follow (stopped by a person, a reflex),
-/// so that it finds the reference near by when it moves again.
+/// torque limits. While the robot does not follow (stopped by a person, a reflex, its controller
+/// holds or is not there) it rests where the arm is, so that an arm that moves again finds it there.
+/// An arm that follows but stays behind (something is in its way) it waits for.
 class Approach {
  public:
   /// @param table_height in W [m]

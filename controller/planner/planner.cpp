@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
 constexpr double kStateTimeout = 0.1;  // [s]
+// Without plans, or without a robot that follows them, for this long: what was going on is over [s].
+constexpr double kLeft = 0.2;
 // When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
 constexpr double kOnBallGap = 1.5e-3, kOnBallBeside = 0.025;
 constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
@@ -69,12 +71,12 @@ Mode next(Mode mode, const Situation& situation) {
     case Mode::kHold:
       return Mode::kApproach;
     case Mode::kRest:
-      return Mode::kReturn;
+      return situation.robot_left ? Mode::kApproach : Mode::kReturn;
     case Mode::kApproach:
       return situation.start_pose_reached ? Mode::kReturn : Mode::kApproach;
     case Mode::kRoll:
     case Mode::kReturn:
-      if (situation.other_ball) return Mode::kApproach;
+      if (situation.other_ball || situation.robot_left) return Mode::kApproach;
       return situation.returning ? Mode::kReturn : Mode::kRoll;
   }
   return Mode::kHold;
@@ -122,6 +124,7 @@ Situation Planner::situation(const Input& input) const noexcept {
   const Cause cause = hindrance(input, ball);
   situation.state_fresh = !of_state(cause);
   situation.balls_at_hand = cause == Cause::kNone;
+  situation.robot_left = input.now - followed_ > kLeft;
   situation.start_pose_reached = approach_.settled(input.now);
   situation.returning = phase_ != Phase::kRoll;
   return situation;
@@ -199,6 +202,10 @@ void Planner::decide_rest(const Input& input, const Scene& scene, Situation& kno
   }
   known.hold_requested = input.stopped || (hold && (!working || not_brought_to_rest_)) ||
                          (delivered_ && mode_ == Mode::kHold);
+  if (known.robot_left) {
+    known.rest_wanted = false;
+    known.hold_requested = known.hold_requested || hold;
+  }
 }
 
 void Planner::tell(const Input& input, const Scene& scene) noexcept {
@@ -227,8 +234,12 @@ void Planner::tell(const Input& input, const Scene& scene) noexcept {
 }
 
 const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
-  const double period = previous_now_ < 0.0 ? 1.0 / parameters_.rate : input.now - previous_now_;
+  double period = previous_now_ < 0.0 ? 1.0 / parameters_.rate : input.now - previous_now_;
+  // a process that was stopped goes on with nothing, least of all with a step of that length
+  const bool was_away = period > kLeft;
+  if (was_away) period = 1.0 / parameters_.rate;
   previous_now_ = input.now;
+  if (input.robot_follows && !was_away) followed_ = input.now;
   if (period_count_ == kPeriodsAveraged) {
     std::copy(periods_.begin() + 1, periods_.end(), periods_.begin());
     --period_count_;
@@ -253,7 +264,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 
   const Mode previous = mode_;
   mode_ = next(mode_, known);
-  if (mode_ != previous) {
+  if (mode_ != previous || was_away) {
     if (mode_ == Mode::kApproach || mode_ == Mode::kHold) approach_.begin(input.p_WE);
     if (mode_ == Mode::kRest) rest_.begin(rest_input(input, scene, period));
     if (!in_c3 && mode_ == Mode::kReturn) {
@@ -276,12 +287,12 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       plan_.force_E.z() = rest_.press();
       break;
     case Mode::kHold:
-      approach_.out_of_the_way({input.now, period, input.p_WE});
+      approach_.out_of_the_way({input.now, period, input.p_WE, input.robot_follows});
       hold(approach_.reference());
       break;
     case Mode::kApproach: {
       const Eigen::Vector3d& p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
-      approach_.to_ball({input.now, period, input.p_WE}, p_WB);
+      approach_.to_ball({input.now, period, input.p_WE, input.robot_follows}, p_WB);
       hold(approach_.reference());
       plan_.v_WE = approach_.velocity();
       plan_.ball_target << target(input, 0.0, scene, ball_), p_WB.z();

@@ -22,6 +22,7 @@ namespace c3rt::planner {
 /// The mode logic alone, as a table: what comes next, given what is known.
 struct Situation {
   bool state_fresh;         // the robot's state is known
+  bool robot_left;          // it has not followed for a while: what was going on is over
   bool balls_at_hand;       // of each a valid estimate younger than the timeout, within reach
   bool hold_requested;      // a client asks to hold, and no ball has to be brought to rest for it
   bool rest_wanted;         // the end effector is on a ball that is to lie still
@@ -44,6 +45,7 @@ struct Input {
   double state_age;  // of what follows; infinite before the first [s]
   Eigen::Vector3d p_WE, v_WE;              // the end effector [m, m/s]
   std::array<BallInput, kMaxBalls> balls;  // the first Parameters::balls of them
+  bool robot_follows = true;  // it moves, and its controller tracks the plans
   bool stopped;   // a person has stopped the robot
   Target target;  // a client's
   double solve_time;  // duration of the previous solve [s], for DeltaTcSource::kSolveTime
@@ -143,6 +145,7 @@ class Planner {
   std::optional<BallDisturbance> disturbance_;
   double ball_touched_ = -1.0;  // the end effector was last near the ball; negative: not yet [s]
   double previous_now_ = -1.0, c3_since_ = -1.0;
+  double followed_ = -1.0;  // the robot last followed; negative: not yet [s]
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;
   std::array<double, kPeriodsAveraged> periods_{};  // the newest at period_count_ - 1

@@ -27,6 +27,7 @@ namespace {
 using namespace c3rt;
 
 constexpr long kRobot = 0;
+constexpr double kCommandTimeout = 0.1;  // [s]
 constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
@@ -41,13 +42,15 @@ void fill(double (&out)[n], const Eigen::MatrixBase<Derived>& values) {
 /// Newest samples of what the planner listens to.
 struct Inputs {
   explicit Inputs(wire::Bus& bus)
-      : states(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
+      : states(bus), commands(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
   wire::Reader<wire::RobotState> states;
+  wire::Reader<wire::RobotCommand> commands;
   wire::Reader<wire::BallEstimate> estimates;
   wire::Reader<wire::TaskTarget> targets;
   wire::Reader<wire::ServiceRequest> requests;
   wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
+  wire::RobotCommand command{};
   std::array<std::optional<wire::BallEstimate>, planner::kMaxBalls> balls;  // by key
   bool has_state = false, stopped = false;
   planner::Target target = planner::ScenarioTarget{};
@@ -143,6 +146,9 @@ planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& 
   input.solve_time = solve_time;
   input.state_age = in.has_state ? seconds(now_ns - in.state.header.time_ns)
                                  : std::numeric_limits<double>::infinity();
+  input.robot_follows = in.has_state && in.state.mode == c3rt_v1_ROBOT_MOVE &&
+                        in.command.mode == c3rt_v1_IMPEDANCE_TRACK &&
+                        seconds(now_ns - in.command.header.time_ns) <= kCommandTimeout;
   if (in.has_state) {
     model::ArmState arm_state;
     arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad),
@@ -279,6 +285,7 @@ int run(const config::ProcessOptions& options) {
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
     in.has_state |= in.states.take_effective(now_ns, in.state);
+    in.commands.take_effective(now_ns, in.command);
     take_estimates(in, parameters.balls, now_ns);
     take_targets(in, limits, replies, now_ns);
     take_requests(in, replies, now_ns);
@@ -295,7 +302,8 @@ int run(const config::ProcessOptions& options) {
     status.compute().add(measured);
     if (measured > 1.0 / parameters.rate) ++overruns;
 
-    if (in.has_state) {
+    // what does not know where the arm is asks nothing of it: without plans the arm is held
+    if (in.has_state && plan.mode != planner::Mode::kWait) {
       wire::Plan out = to_wire(plan, in, parameters);
       out.solve_time_s = measured;
       // sent at once, in effect at a time that does not depend on how long the solve took

@@ -1,6 +1,8 @@
 #include "tests/support/closed_loop.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "plant_emulator/start.hpp"
 
@@ -17,11 +19,36 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
       sensor_(scenario.vision.emulated, seed),
       pushes_(plant::drawn_pushes(scenario.plant.pushes,
                                   static_cast<int>(scenario.plant.world.balls.size()), seed)),
-      planner_(scenario.planner),
-      impedance_(scenario.impedance, model::Arm(impedance::urdf_of(scenario.impedance))),
       arm_(impedance::urdf_of(scenario.impedance)) {
-  for (const plant::BallParameters& ball : scenario.plant.world.balls)
-    estimators_.emplace_back(scenario.vision.estimator, ball.radius);
+  restart_vision();
+  restart_planner();
+  restart_impedance();
+}
+
+void ClosedLoop::restart_impedance() {
+  impedance_.emplace(scenario_.impedance, model::Arm(impedance::urdf_of(scenario_.impedance)));
+}
+
+void ClosedLoop::restart_planner() {
+  planner_.emplace(scenario_.planner);
+  stopped_ = false;
+}
+
+void ClosedLoop::restart_vision() {
+  estimators_.clear();
+  for (const plant::BallParameters& ball : scenario_.plant.world.balls)
+    estimators_.emplace_back(scenario_.vision.estimator, ball.radius);
+}
+
+void ClosedLoop::stop() {
+  plant_.request_stop();
+  stop_ = stopped_ = true;
+}
+
+void ClosedLoop::recover() {
+  plant_.request_recovery();
+  recover_ = true;
+  stopped_ = false;
 }
 
 void ClosedLoop::step_1ms() {
@@ -30,17 +57,17 @@ void ClosedLoop::step_1ms() {
     return now_ns_ >= nanoseconds(static_cast<double>(count) / rate);
   };
 
-  if (due(exposures_, scenario_.vision.rate)) {
-    ++exposures_;
+  if (running.plant) state_ns_ = now_ns_;
+  if (due(exposures_, scenario_.vision.rate) && ++exposures_ && running.vision && running.plant) {
     Estimates estimates;
-    for (std::size_t i = 0; vision_runs_ && i < estimators_.size(); ++i) {
+    for (std::size_t i = 0; i < estimators_.size(); ++i) {
       vision::Measurement measurement;
       measurement.exposure_ns = now_ns_;
       measurement.found = in_view_;
       measurement.p_WB = sensor_.measure(state.balls[i].p_WB);
       estimates.push_back(estimators_[i].step(measurement));
     }
-    if (vision_runs_) estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimates});
+    estimates_.push_back({now_ns_ + nanoseconds(scenario_.timing.vision_latency_s), estimates});
   }
   while (!estimates_.empty() && estimates_.front().time_ns <= now_ns_) {
     newest_estimates_ = estimates_.front().value;
@@ -49,7 +76,7 @@ void ClosedLoop::step_1ms() {
 
   if (due(plans_made_, scenario_.planner.rate)) {
     ++plans_made_;
-    if (planner_runs_) plan_now();
+    if (running.planner) plan_now();
   }
   while (!plans_.empty() && plans_.front().time_ns <= now_ns_) {
     newest_plan_ = plans_.front().value;
@@ -57,22 +84,34 @@ void ClosedLoop::step_1ms() {
     plans_.pop_front();
   }
 
+  if (running.impedance) control();
+  if (running.plant) {
+    for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
+      plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
+    plant_.step_1ms();
+    const double fastest = (state.dq.array().abs() / plant::kVelocityMax.array()).maxCoeff();
+    fastest_joint_ = std::max(fastest_joint_, fastest);
+  }
+  now_ns_ += 1'000'000;
+}
+
+void ClosedLoop::control() {
+  const plant::State& state = plant_.state();
   impedance::Input input;
   input.now_ns = now_ns_;
   input.has_state = true;
   input.session_id = 1;
-  input.state_stamp_ns = now_ns_;
+  input.state_stamp_ns = state_ns_;
   input.q = state.q;
   input.dq = state.dq;
+  if (nan_state) input.q[0] = std::nan("");
   input.robot_moves = state.mode == plant::Mode::kIdle || state.mode == plant::Mode::kMove;
   input.has_plan = has_plan_;
   input.plan = newest_plan_;
-  output_ = impedance_.step(input);
+  input.stop = std::exchange(stop_, false);
+  input.recover = std::exchange(recover_, false);
+  output_ = impedance_->step(input);
   if (output_.mode != impedance::Mode::kWait) plant_.set_command(output_.tau, ++cycle_, now_ns_);
-  for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
-    plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
-  plant_.step_1ms();
-  now_ns_ += 1'000'000;
 }
 
 void ClosedLoop::plan_now() {
@@ -80,8 +119,11 @@ void ClosedLoop::plan_now() {
   arm_.update(state.q, state.dq, arm_state_);
   planner::Input input{};
   input.now = time();
-  input.state_age = 0.0;
+  input.state_age = 1e-9 * static_cast<double>(now_ns_ - state_ns_);
+  input.stopped = stopped_;
+  input.robot_follows = state.mode == plant::Mode::kMove && output_.mode == impedance::Mode::kTrack;
   input.p_WE = arm_state_.X_WE.translation();
+  if (nan_state) input.p_WE.x() = std::nan("");
   input.v_WE = arm_state_.V_WE.head<3>();
   for (std::size_t i = 0; i < newest_estimates_.size(); ++i) {
     const vision::Estimate& seen = newest_estimates_[i];
@@ -91,7 +133,7 @@ void ClosedLoop::plan_now() {
   }
   input.target = target_;
   input.solve_time = scenario_.timing.solve_time_s;
-  plan_ = planner_.step(input);
+  plan_ = planner_->step(input);
   impedance::Plan plan;
   plan.session_id = 1;
   plan.stamp_ns = now_ns_ + nanoseconds(std::max(scenario_.timing.solve_time_s,
@@ -104,7 +146,8 @@ void ClosedLoop::plan_now() {
   plan.q_WE = plan_.q_WE;
   plan.force_E = plan_.force_E;
   plan.delta_t_c = plan_.delta_t_c;
-  plans_.push_back({plan.stamp_ns, plan});
+  if (spoil_plan) spoil_plan(plan);
+  if (plan_.mode != planner::Mode::kWait) plans_.push_back({plan.stamp_ns, plan});
 }
 
 }  // namespace c3rt::test

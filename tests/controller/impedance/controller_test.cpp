@@ -32,6 +32,11 @@ Parameters parameters() {
   p.gains.null_space_q << 0, 0.361, 0, -2.223, 0, 2.584, 0;
   p.limits.reference_speed = 0.5;
   p.limits.reference_angular_speed = 0.5;
+  p.limits.plan_speed = 0.4;
+  p.limits.plan_acceleration = 25.0;
+  p.limits.lead_acceleration = 6.25;
+  p.limits.lead_angular_acceleration = 15.0;
+  p.limits.plan_force = 30.0;
   p.limits.workspace_min << 0.3, -0.3, 0.0;
   p.limits.workspace_max << 0.75, 0.3, 0.4;
   p.limits.tau_max << 82.65, 82.65, 82.65, 82.65, 11.4, 11.4, 11.4;
@@ -196,6 +201,7 @@ TEST_CASE(
     "there") {
   Parameters p = parameters();
   p.reference = Reference::kInterpolate;
+  p.limits.plan_acceleration = 1e4;  // v_d as it comes
   Controller controller = make(p);
   controller.step(with_plan(kMs));
   const std::int64_t plan_ns = 2 * kMs;
@@ -255,11 +261,13 @@ TEST_CASE("controller: neither position nor torque jump when a far plan or a lar
     CHECK((output.tau.array().abs() <= p.limits.tau_max.array()).all());
     before = output;
   }
-  CHECK(before.counters.torque_rate_clamps > 0);
+  CHECK(before.counters.plan_clamps > 0);
 }
 
 TEST_CASE("controller: the orientation to track turns at most at its limit") {
-  Controller controller = make(parameters());
+  Parameters p = parameters();
+  p.limits.lead_angular_acceleration = 1e4;  // the arm does not follow here
+  Controller controller = make(p);
   Quaterniond before = controller.step(at(kMs)).q_WE_desired;
   const Quaterniond tilted = Quaterniond(Eigen::AngleAxisd(0.3, Vector3d::UnitX())) * kDown;
   for (int k = 2; k < 700; ++k) {
@@ -354,7 +362,9 @@ TEST_CASE(
 }
 
 TEST_CASE("controller: a plan outside the workspace is tracked at the box's wall and counted") {
-  Controller controller = make(parameters());
+  Parameters p = parameters();
+  p.limits.lead_acceleration = 1e4;  // the arm does not follow here
+  Controller controller = make(p);
   Output output{};
   for (int k = 1; k <= 500; ++k) {
     Input input = with_plan(k * kMs, Vector3d(0.6, 0.05, -0.2));
@@ -510,6 +520,112 @@ TEST_CASE("controller: whatever numbers arrive, the torque is finite and within 
       }
     }
   }
+}
+
+TEST_CASE("controller: whatever a plan asks, the reference never leads the arm by more than its limit") {
+  const Parameters p = parameters();
+  const double farthest = p.limits.lead_acceleration / p.gains.stiffness[0];
+  const double jumps[] = {0.005, 0.02, 0.1, 1.0};
+  for (const double jump : jumps) {
+    CAPTURE(jump);
+    Loop loop(p);
+    Vector3d v_before = Vector3d::Zero();
+    for (int k = 1; k <= 1500; ++k) {
+      const int half = k / 150;
+      Input input = with_plan(k * kMs, kStart + Vector3d(0, half % 2 == 0 ? jump : -jump, 0));
+      input.plan.v_WE << 0, half % 2 == 0 ? 5.0 : -5.0, 0;
+      const Vector3d here = loop.state.X_WE.translation();
+      const Output output = loop.step(input);
+      if (k == 1) v_before = output.v_WE_desired;  // before it the loop has no state
+      if (k == 1) continue;
+      REQUIRE((output.p_WE_desired - here).norm() <= farthest + 1e-12);
+      REQUIRE(output.v_WE_desired.norm() <= p.limits.plan_speed + 1e-12);
+      REQUIRE((output.v_WE_desired - v_before).norm() <= p.limits.plan_acceleration * p.period + 1e-12);
+      REQUIRE((loop.dq.array().abs() < 0.9 * p.limits.dq_max.array()).all());
+      v_before = output.v_WE_desired;
+    }
+  }
+}
+
+TEST_CASE("controller: ordinary plans are tracked as they are") {
+  // a point that moves at 0.15 m/s, of which a plan every 5 ms tells the next place and velocity
+  Loop loop(parameters());
+  Output output{};
+  Input input = with_plan(kMs);
+  for (int k = 1; k <= 500; ++k) {
+    if (k % 5 == 1) {
+      const Vector3d v(0, 0.15 * std::min(1.0, k / 50.0), 0);
+      give_plan(input, (k > 1 ? Vector3d(loop.state.X_WE.translation()) : kStart) + 0.005 * v, k * kMs);
+      input.plan.v_WE = v;
+      input.plan.force_E << 0, 0.3, -0.5;
+    }
+    input.now_ns = input.state_stamp_ns = k * kMs;
+    output = loop.step(input);
+  }
+  CHECK(output.counters.plan_clamps == 0);
+  CHECK(loop.state.V_WE[1] == Approx(0.15).margin(0.02));
+}
+
+TEST_CASE("controller: after cycles or states that were missing the reference begins where the arm is") {
+  for (const bool state : {false, true}) {
+    CAPTURE(state);
+    Controller controller = make(parameters());
+    Output output{};
+    for (int k = 1; k <= 100; ++k) output = controller.step(with_plan(k * kMs, kStart + Vector3d(0, 0.05, 0)));
+    REQUIRE((output.p_WE_desired - kStart).norm() > 5e-3);
+    if (state) {
+      Input old = with_plan(300 * kMs, kStart);
+      old.state_stamp_ns = 100 * kMs;
+      output = controller.step(old);
+    }
+    Input back = with_plan(301 * kMs, kStart + Vector3d(0, 0.05, 0));
+    back.q[0] = 0.1;
+    output = controller.step(back);
+    CHECK(output.mode == Mode::kTrack);
+    // one cycle's step from it
+    CHECK((output.p_WE_desired - controller.arm().X_WE.translation()).norm() < 0.6e-3);
+    CHECK(output.v_WE_desired.norm() < 0.03);
+  }
+}
+
+TEST_CASE("controller: a state that was missing is forgiven once it comes steadily, if the scenario says so") {
+  for (const bool alone : {false, true}) {
+    CAPTURE(alone);
+    Parameters p = parameters();
+    p.recovers_alone = alone;
+    Controller controller = make(p);
+    controller.step(with_plan(kMs));
+    Input missing = with_plan(200 * kMs);
+    missing.state_stamp_ns = kMs;
+    for (int k = 0; k <= kPatience; ++k) REQUIRE(controller.step(missing).counters.stops == (k == kPatience));
+    Output output{};
+    for (int k = 1; k < kGoodStates; ++k) output = controller.step(with_plan((200 + k) * kMs));
+    CHECK(output.mode == Mode::kStop);
+    for (int k = 0; k < 2; ++k) output = controller.step(with_plan((200 + kGoodStates + k) * kMs));
+    CHECK((output.mode == Mode::kTrack) == alone);
+    // but not a person's stop
+    Input stop = with_plan(500 * kMs);
+    stop.stop = true;
+    controller.step(stop);
+    for (int k = 1; k < 2 * kGoodStates; ++k) output = controller.step(with_plan((500 + k) * kMs));
+    CHECK(output.mode == Mode::kStop);
+  }
+}
+
+TEST_CASE("controller: a plan that no planner can mean is refused, one that asks too much is cut") {
+  const auto verdict = [](auto&& spoil) {
+    Controller controller = make(parameters());
+    Input input = with_plan(kMs);
+    spoil(input.plan);
+    return controller.step(input).plan;
+  };
+  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, 1e9; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, -500; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.v_WE << 1e6, 0, 0; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.p_WE << 1e300, 0, 0; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.delta_t_c = 100.0; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, -100; }) == PlanVerdict::kGood);
+  CHECK(verdict([](Plan& plan) { plan.v_WE << 5, 0, 0; }) == PlanVerdict::kGood);
 }
 
 TEST_CASE("controller: the same inputs give the same bits") {

@@ -76,7 +76,7 @@ TEST_CASE(
     const Vector6d expected =
         gains.stiffness.cwiseProduct(pose_error(state.X_WE, goal.p_WE, goal.q_WE)) +
         gains.damping.cwiseProduct(e_dot);
-    const Vector6d achieved = state.J_WE * acceleration(state, torque(gains, state, q, dq, goal));
+    const Vector6d achieved = state.J_WE * acceleration(state, torque(gains, state, q, dq, goal).sum());
     CHECK((achieved - expected).norm() < 1e-9 * (1 + expected.norm()));
   }
 }
@@ -95,10 +95,10 @@ TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
   constexpr double kDt = 1e-4, kOmega = kDamping / 2;
   for (int n = 1; n <= 3000; ++n) {
     // explicit midpoint: second order in kDt
-    const Vector7d ddq = acceleration(state, torque(gains, state, q, dq, goal));
+    const Vector7d ddq = acceleration(state, torque(gains, state, q, dq, goal).sum());
     const Vector7d q_half = q + 0.5 * kDt * dq, dq_half = dq + 0.5 * kDt * ddq;
     arm.update(q_half, dq_half, state);
-    const Vector7d ddq_half = acceleration(state, torque(gains, state, q_half, dq_half, goal));
+    const Vector7d ddq_half = acceleration(state, torque(gains, state, q_half, dq_half, goal).sum());
     q += kDt * dq_half;
     dq += kDt * ddq_half;
     arm.update(q, dq, state);
@@ -124,7 +124,7 @@ TEST_CASE("law: a small rotation dies out with half the rotational stiffness") {
   constexpr double kDt = 1e-4;
   const double omega = std::sqrt(kStiffnessRotation / 2);
   for (int n = 1; n <= 2000; ++n) {
-    const Vector7d ddq = acceleration(state, torque(gains, state, q, dq, goal));
+    const Vector7d ddq = acceleration(state, torque(gains, state, q, dq, goal).sum());
     dq += kDt * ddq;  // semi-implicit Euler: of first order, hence the tolerance
     q += kDt * dq;
     arm.update(q, dq, state);
@@ -152,7 +152,7 @@ TEST_CASE("law: null-space torque moves the joints and not the end effector") {
 /// taken out.
 double damping_power(const Gains& gains, const ArmState& state, const Vector7d& q,
                      const Vector7d& dq) {
-  return dq.dot(torque(gains, state, q, dq, goal_at(state.X_WE)) - state.coriolis);
+  return dq.dot(torque(gains, state, q, dq, goal_at(state.X_WE)).sum() - state.coriolis);
 }
 
 TEST_CASE("law: the task's damping never feeds energy into the arm") {
@@ -184,7 +184,7 @@ TEST_CASE(
   goal.p_WE.z() -= 0.001;
   const auto wrench = [&](Inertia inertia) {
     gains.inertia = inertia;
-    const Vector7d tau = torque(gains, state, kStart, Vector7d::Zero(), goal);
+    const Vector7d tau = torque(gains, state, kStart, Vector7d::Zero(), goal).sum();
     return Vector6d(task_inertia(state).Lambda * state.J_WE * state.M.llt().solve(tau));
   };
   const Vector6d diagonal = wrench(Inertia::kDiagonal), full = wrench(Inertia::kFull);
@@ -250,12 +250,12 @@ TEST_CASE(
   const Vector7d contact = state.J_WE.topRows<3>().transpose() * force;
 
   Goal goal = goal_at(state.X_WE);
-  const Vector7d without = torque(gains, state, q, Vector7d::Zero(), goal) + contact;
+  const Vector7d without = torque(gains, state, q, Vector7d::Zero(), goal).sum() + contact;
   CHECK((state.J_WE * acceleration(state, without)).head<3>().dot(force) >
         0.1);  // it is pushed back
 
   goal.force_E = force;
-  const Vector7d with = torque(gains, state, q, Vector7d::Zero(), goal) + contact;
+  const Vector7d with = torque(gains, state, q, Vector7d::Zero(), goal).sum() + contact;
   CHECK(acceleration(state, with).norm() < 1e-10);
 }
 
@@ -283,7 +283,7 @@ TEST_CASE("law: a stretched arm asks for bounded torque") {
         1.0001 / kSmallestMobility);
   Goal goal = goal_at(state.X_WE);
   goal.p_WE *= 1.05;
-  CHECK(torque(paper_gains(), state, q, Vector7d::Zero(), goal).norm() < 2000);
+  CHECK(torque(paper_gains(), state, q, Vector7d::Zero(), goal).sum().norm() < 2000);
 }
 
 TEST_CASE("law: in the task's space nothing is bounded, so the law is exact there") {
@@ -307,7 +307,7 @@ TEST_CASE("law: torque does not allocate") {
   std::int64_t heap_calls = 0;
   {
     const support::AllocationCounter heap;
-    for (int n = 0; n < 100; ++n) sum += torque(gains, state, kStart, Vector7d::Ones(), goal);
+    for (int n = 0; n < 100; ++n) sum += torque(gains, state, kStart, Vector7d::Ones(), goal).sum();
     heap_calls = heap.count();
   }
   CHECK(heap_calls == 0);

@@ -43,7 +43,7 @@ wire::Plan plan(std::int64_t now_ns) {
   plan.origin = {now_ns - 5, now_ns - 4, now_ns - 3, 0};
   plan.valid_until_ns = now_ns + 100 * kMs;
   plan.p_WE_desired_m[0] = 0.55;
-  plan.p_WE_desired_m[2] = 0.12;
+  plan.p_WE_desired_m[2] = 0.123;
   plan.q_WE_desired[1] = 1;
   plan.delta_t_c_s = 0.013;
   return plan;
@@ -130,7 +130,7 @@ TEST_CASE(
   CHECK(command.origin.exposure_ns ==
         command.origin.plan_ns - 5);  // handed on from the plan's own origin
   CHECK(command.mode == c3rt_v1_IMPEDANCE_TRACK);
-  CHECK(command.p_WE_desired_m[2] == Approx(0.12));
+  CHECK(command.p_WE_desired_m[2] == Approx(0.123));
 }
 
 TEST_CASE("servo: it sends nothing before it has seen the robot") {

@@ -103,6 +103,22 @@ TEST_CASE("approach: it waits for an arm that does not follow, and goes on when 
   CHECK(approach.reference().z() > waiting.z());
 }
 
+TEST_CASE("approach: while the robot does not follow it rests where the arm is, wherever that is moved") {
+  Approach approach(parameters(), kTable);
+  approach.begin(kBegin);
+  double now = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d moved = kBegin + Vector3d(0.0, 0.0002 * i, 0.0);
+    approach.to_ball({now += kPeriod, kPeriod, moved, false}, kBall);
+    REQUIRE(approach.reference() == moved);
+    REQUIRE(approach.velocity().isZero());
+  }
+  // not even above the ball does it settle
+  const Vector3d start = kBall + Vector3d(0.0, 0.0, parameters().start_height);
+  for (int i = 0; i < 200; ++i) approach.to_ball({now += kPeriod, kPeriod, start, false}, kBall);
+  CHECK_FALSE(approach.settled(now));
+}
+
 TEST_CASE("approach: out of the way is straight up to safe height, never down") {
   const double safe = kTable + parameters().safe_height;
   for (const double height : {0.04, 0.2}) {

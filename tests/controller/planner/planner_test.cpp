@@ -201,10 +201,33 @@ TEST_CASE("planner: an end effector that slips off the ball returns at once, and
   CHECK(follower.planner.step(input).mode == Mode::kReturn);
   // a whole Phase II, then the next Phase I
   input.p_WE = above;
-  input.now += p.heuristic.return_duration - follower.period;
-  CHECK(follower.planner.step(input).mode == Mode::kReturn);
-  input.now += 2.0 * follower.period;
+  const double slipped = input.now;
+  while (input.now < slipped + p.heuristic.return_duration - 2.0 * follower.period) {
+    input.now += follower.period;
+    REQUIRE(follower.planner.step(input).mode == Mode::kReturn);
+  }
+  input.now += 3.0 * follower.period;
   CHECK(follower.planner.step(input).mode == Mode::kRoll);
+}
+
+TEST_CASE("planner: a planner that was away, or whose robot does not follow, begins anew at the arm") {
+  for (const bool away : {false, true}) {
+    CAPTURE(away);
+    Follower follower(parameters());
+    REQUIRE(follower.until(Mode::kRoll, 2000));
+    const Vector3d here = kBall + Vector3d(0.01, 0.0, 0.052);
+    Input input = input_at(follower.now, here);
+    input.robot_follows = away;
+    const int periods = away ? 1 : static_cast<int>(1.0 / follower.period);
+    for (int k = 0; k < periods; ++k) {
+      input.now += away ? 2.0 : follower.period;
+      follower.planner.step(input);
+    }
+    const Plan& plan = follower.planner.step(input);
+    CHECK(plan.mode == Mode::kApproach);
+    CHECK((plan.p_WE - here).norm() < 1e-3);
+    CHECK(plan.v_WE.norm() < 0.02);
+  }
 }
 
 TEST_CASE("planner: the arm presses on the ball throughout Phase I, and only there") {
