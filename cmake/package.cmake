@@ -70,9 +70,9 @@ function(c3rt_export room)
 endfunction()
 
 c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
-c3rt_export(c3 HEADERS deadline.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
+c3rt_export(c3 HEADERS deadline.hpp node_qp.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
-c3rt_export(horizon HEADERS condensed.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
+c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
 c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_system.hpp finger_gaiting.hpp
   linearise.hpp pivoting.hpp DEPS lcs)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
