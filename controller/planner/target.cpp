@@ -7,8 +7,8 @@ namespace c3rt::planner {
 namespace {
 
 constexpr double kMargin = 0.02;             // of the way inside the reach [m]
-constexpr Interval kRadius{0.04, 0.15};      // that were shown to hold the ball [m]
-constexpr Interval kLead{0.1745, 0.6981};    // 10 to 40 degrees [rad]
+constexpr Interval kRadius{0.06, 0.15};      // that were shown to hold the ball [m]
+constexpr Interval kLead{10.0 * M_PI / 180.0, 30.0 * M_PI / 180.0};  // the same [rad]
 constexpr double kDegree = M_PI / 180.0;     // [rad]
 
 template <typename... Numbers>

@@ -154,3 +154,158 @@ TEST_CASE("closed loop: C3+ brings three balls along the line, and four") {
 TEST_CASE("closed loop: the convex projection brings three balls along the line") {
   CHECK(bring_along_the_line("three_balls_convex", 1, 60.0) < 0.03);
 }
+
+namespace {
+
+std::string scenario_file(const std::string& name) {
+  return C3RT_SOURCE_DIRECTORY "/config/scenarios/" + name + ".yaml";
+}
+
+/// The emulated sensor in the place of cameras, with their noise.
+std::vector<std::string> emulated(const std::string& name) {
+  if (name != "circle_vision") return {};
+  return {"vision.source=emulated", "vision.emulated.noise_m=0.00006"};
+}
+
+double ball_speed(test::ClosedLoop& loop, int ball) {
+  return loop.plant().state().balls[static_cast<std::size_t>(ball)].v_WB.head<2>().norm();
+}
+
+void run_until(test::ClosedLoop& loop, double time) {
+  while (loop.time() < time) loop.step_1ms();
+}
+
+}  // namespace
+
+TEST_CASE(
+    "closed loop: hold brings a rolling ball to rest and leaves it, and then it goes on round") {
+  struct Start {
+    const char* scenario;
+    std::uint64_t seed;
+    double at;  // in Phase I and in Phase II [s]
+  };
+  for (const Start& start :
+       {Start{"circle_slow", 1, 7.9}, Start{"circle_slow", 2, 8.3}, Start{"circle_fast", 3, 7.9},
+        Start{"circle_fast", 2, 8.7}, Start{"circle_vision", 4, 8.3}}) {
+    CAPTURE(start.scenario, start.seed, start.at);
+    const config::Scenario scenario =
+        config::load_scenario(scenario_file(start.scenario), emulated(start.scenario));
+    const auto& circle = std::get<planner::CircleTask>(scenario.task.motion);
+    test::ClosedLoop loop(scenario, start.seed);
+    run_until(loop, start.at);
+    REQUIRE(ball_speed(loop, 0) > 0.02);
+    loop.set_target(planner::HoldTarget{});
+    loop.step_1ms();
+    run_until(loop, start.at + 0.1);
+    CHECK_THAT(describe(loop.planner().activity(), scenario.planner, loop.time()),
+               Catch::Contains("bringing the ball to rest"));
+    run_until(loop, start.at + 5.0);
+    CHECK(loop.plan().mode == planner::Mode::kHold);
+    CHECK(loop.planner().activity().cause == planner::Cause::kAsked);
+    // nothing resists it: in a minute it creeps less than the circle's margin to the reach
+    CHECK(ball_speed(loop, 0) < 0.004);
+    CHECK(loop.plant().state().p_WE.z() > 0.1);
+
+    loop.set_target(planner::ScenarioTarget{});
+    double turns = 0.0, previous = 0.0, error = 0.0;
+    const double resumed = loop.time();
+    while (loop.time() < resumed + 16.0) {
+      loop.step_1ms();
+      const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>() - circle.center;
+      const double alpha = std::atan2(ball.x(), ball.y());
+      if (loop.time() > resumed + 0.002)
+        turns += std::remainder(alpha - previous, 2.0 * M_PI) / (2.0 * M_PI);
+      previous = alpha;
+      if (loop.time() > resumed + 8.0)
+        error = std::max(error, std::abs(ball.norm() - circle.radius));
+    }
+    CHECK(turns > 0.3);
+    CHECK(error < 0.02);
+    CHECK(loop.planner().counters().ball_lost == 0);
+  }
+}
+
+TEST_CASE("closed loop: a hold that ends while the ball is being stopped goes on at once") {
+  for (const double hold : {0.3, 2.0}) {
+    CAPTURE(hold);
+    test::ClosedLoop loop(config::load_scenario(scenario_file("circle_slow")), 1);
+    run_until(loop, 8.3);
+    loop.set_target(planner::HoldTarget{});
+    run_until(loop, 8.3 + hold);
+    CHECK(loop.plan().mode == planner::Mode::kRest);
+    loop.set_target(planner::ScenarioTarget{});
+    run_until(loop, 16.0);
+    CHECK(ball_speed(loop, 0) > 0.01);
+    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+    CHECK(std::abs((ball - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1) < 0.02);
+  }
+}
+
+TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes on") {
+  const config::Scenario scenario = config::load_scenario(scenario_file("three_balls_plus"));
+  const auto& line = std::get<planner::LineTask>(scenario.task.motion);
+  test::ClosedLoop loop(scenario, 1);
+  run_until(loop, 8.3);
+  loop.set_target(planner::HoldTarget{});
+  run_until(loop, 12.5);
+  CHECK(loop.plan().mode == planner::Mode::kHold);
+  for (int ball = 0; ball < 3; ++ball) CHECK(ball_speed(loop, ball) < 0.004);
+  loop.set_target(planner::ScenarioTarget{});
+  int arrived = 0;
+  while (arrived < 3 && loop.time() < 80.0) {
+    loop.step_1ms();
+    arrived = 0;
+    for (int i = 0; i < 3; ++i)
+      arrived += planner::past_end(line, loop.plant().state().balls[static_cast<std::size_t>(i)].p_WB.y());
+  }
+  CHECK(arrived == 3);
+}
+
+TEST_CASE("closed loop: on a table that resists, a ball that nobody sees for a second is taken up") {
+  const config::Scenario scenario = config::load_scenario(scenario_file("circle_service"));
+  for (const double at : {7.9, 8.3, 9.1}) {
+    for (const bool silent : {false, true}) {
+      CAPTURE(at, silent);
+      test::ClosedLoop loop(scenario, 1);
+      run_until(loop, at);
+      // vision is stopped, or no camera sees the ball
+      silent ? loop.set_vision_runs(false) : loop.set_in_view(false);
+      run_until(loop, at + 0.7);
+      CHECK(loop.planner().activity().cause ==
+            (silent ? planner::Cause::kVisionSilent : planner::Cause::kBallNotInView));
+      run_until(loop, at + 1.0);
+      loop.set_vision_runs(true);
+      loop.set_in_view(true);
+      run_until(loop, at + 7.0);
+      const auto& p_WB = loop.plant().state().balls[0].p_WB;
+      const Eigen::Vector2d before = p_WB.head<2>();
+      run_until(loop, at + 10.0);
+      const Eigen::Vector2d ball = p_WB.head<2>();
+      CHECK((ball - before).norm() > 0.03);  // it rolls on
+      CHECK(std::abs((ball - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1) < 0.02);
+    }
+  }
+}
+
+TEST_CASE("closed loop: a point target brings the ball there, and keeps it within 1 cm") {
+  for (const std::uint64_t seed : {1, 2}) {
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(0.55, 0.0), Eigen::Vector2d(0.45, 0.15)}) {
+      CAPTURE(seed, point.x(), point.y());
+      const config::Scenario scenario = config::load_scenario(scenario_file("circle_slow"));
+      test::ClosedLoop loop(scenario, seed);
+      run_until(loop, 9.0);
+      loop.set_target(planner::PointTarget{point});
+      while (loop.planner().activity().cause != planner::Cause::kAtTarget && loop.time() < 40.0)
+        loop.step_1ms();
+      CHECK(loop.planner().activity().cause == planner::Cause::kAtTarget);
+      const double until = loop.time() + 15.0;
+      double farthest = 0.0;
+      while (loop.time() < until) {
+        loop.step_1ms();
+        const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+        farthest = std::max(farthest, (ball - point).norm());
+      }
+      CHECK(farthest < 0.01);
+    }
+  }
+}

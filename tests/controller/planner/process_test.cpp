@@ -34,6 +34,7 @@ class World {
         estimates(bus),
         targets(bus),
         faults(bus),
+        replies(bus),
         plans(bus),
         master(bus, {c3rt_v1_PROCESS_PLANNER}, 30 * kSecond) {}
 
@@ -57,12 +58,27 @@ class World {
     return plans.take_newest(plan);
   }
 
+  /// The answer to a request, while time goes on.
+  wire::ServiceReply answer_to(std::uint64_t request_id) {
+    wire::ServiceReply reply{};
+    wire::Plan plan{};
+    for (int i = 0; i < 2000; ++i) {
+      while (replies.take(reply)) {
+        if (reply.request_id == request_id) return reply;
+      }
+      usleep(500);
+      step(plan);
+    }
+    return {};
+  }
+
   test::ChildProcess child;
   wire::Bus bus;
   wire::Writer<wire::RobotState> states;
   wire::Writer<wire::BallEstimate> estimates;
   wire::Writer<wire::TaskTarget> targets;
   wire::Writer<wire::FaultInject> faults;
+  wire::Reader<wire::ServiceReply> replies;
   wire::Reader<wire::Plan> plans;
   wire::LockstepMaster master;
   std::int64_t now_ns = 0;
@@ -139,6 +155,78 @@ TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the 
   CHECK(plan.ball_target_m[0] == x_circle);
   send(c3rt_v1_TARGET_SCENARIO, 0.0);
   CHECK(plan.ball_target_m[0] == x_scenario);
+}
+
+TEST_CASE("c3rt-planner: every target is answered, a refused one with what can be reached") {
+  World world;
+  wire::Plan plan{};
+  for (int i = 0; i < 100; ++i) world.step(plan);
+  std::uint64_t id = 0;
+  const auto ask = [&](c3rt_v1_TargetKind kind, double x, double y, double radius,
+                       double lead_deg) {
+    wire::TaskTarget target{};
+    target.request_id = ++id;
+    target.kind = kind;
+    target.center_m[0] = x;
+    target.center_m[1] = y;
+    target.radius_m = radius;
+    target.lead_rad = lead_deg * M_PI / 180.0;
+    world.targets.write(target, world.now_ns);
+    return world.answer_to(id);
+  };
+  struct Case {
+    c3rt_v1_TargetKind kind;
+    double x, y, radius, lead_deg;
+    const char* expected;  // nothing: taken
+  };
+  for (const Case& c :
+       {Case{c3rt_v1_TARGET_CIRCLE, 5, 5, 0.1, 20, "expected a centre with x in [0.47, 0.63]"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.5, 20, "expected a radius of"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.011, 20, "expected a radius of"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 5, 20, "expected a radius of"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, -180, "expected a lead of"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, 400, "expected a lead of"},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, std::nan(""), 20, "radius_m is nan"},
+        Case{c3rt_v1_TARGET_POINT, 0.9, 0, 0, 0, "expected a point with x in [0.37, 0.73]"},
+        Case{c3rt_v1_TARGET_POINT, 0.5, 0.05, 0, 0, nullptr},
+        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, -20, nullptr},
+        Case{c3rt_v1_TARGET_HOLD, 0, 0, 0, 0, nullptr},
+        Case{c3rt_v1_TARGET_SCENARIO, 0, 0, 0, 0, nullptr}}) {
+    const wire::ServiceReply reply = ask(c.kind, c.x, c.y, c.radius, c.lead_deg);
+    CAPTURE(c.kind, c.x, c.radius, c.lead_deg, reply.text);
+    REQUIRE(reply.request_id == id);
+    CHECK(reply.process == c3rt_v1_PROCESS_PLANNER);
+    CHECK(reply.ok == (c.expected == nullptr));
+    if (c.expected != nullptr) CHECK_THAT(reply.text, Catch::Contains(c.expected));
+  }
+}
+
+TEST_CASE("c3rt-planner: faults that it does not have, or that do not end, are refused by reply") {
+  World world;
+  wire::Plan plan{};
+  for (int i = 0; i < 50; ++i) world.step(plan);
+  std::uint64_t id = 100;
+  const auto ask = [&](c3rt_v1_FaultKind kind, double duration) {
+    wire::FaultInject fault{};
+    fault.request_id = ++id;
+    fault.process = c3rt_v1_PROCESS_PLANNER;
+    fault.kind = kind;
+    fault.duration_s = duration;
+    world.faults.write(fault, world.now_ns);
+    return world.answer_to(id);
+  };
+  const wire::ServiceReply push = ask(c3rt_v1_FAULT_PUSH_BALL, 1.0);
+  CHECK_FALSE(push.ok);
+  CHECK_THAT(push.text, Catch::Contains("expected none, stall or nan of planner, got push-ball"));
+  for (const double bad : {std::nan(""), 0.0, -1.0, 1e9}) {
+    CAPTURE(bad);
+    const wire::ServiceReply reply = ask(c3rt_v1_FAULT_STALL, bad);
+    REQUIRE(reply.request_id == id);
+    CHECK_FALSE(reply.ok);
+    CHECK_THAT(reply.text, Catch::Contains("refused: "));
+  }
+  CHECK(ask(c3rt_v1_FAULT_STALL, 0.01).ok);
+  CHECK(ask(c3rt_v1_FAULT_NONE, 0.0).ok);
 }
 
 TEST_CASE("c3rt-planner: a mistake in the scenario ends it with status 2 and names the key") {

@@ -59,14 +59,14 @@ TEST_CASE("target: radius and lead are those that were shown to hold the ball") 
     CAPTURE(radius);
     const TargetVerdict verdict = circle(0.55, 0.0, radius, 20.0);
     CHECK(verdict.fault == TargetFault::kRadius);
-    CHECK_THAT(verdict.sentence, Contains("expected a radius of 0.04 to 0.15 m, got"));
+    CHECK_THAT(verdict.sentence, Contains("expected a radius of 0.06 to 0.15 m, got"));
   }
-  for (const double lead : {-180.0, 180.0, 400.0, 0.0, 3.0, -60.0}) {
+  for (const double lead : {-180.0, 180.0, 400.0, 0.0, 3.0, -60.0, 40.0}) {
     CAPTURE(lead);
     const TargetVerdict verdict = circle(0.55, 0.0, 0.1, lead);
     CHECK(verdict.fault == TargetFault::kLead);
     CHECK_THAT(verdict.sentence,
-               Contains("expected a lead of 10 to 40 deg, or -10 to -40 deg, got"));
+               Contains("expected a lead of 10 to 30 deg, or -10 to -30 deg, got"));
   }
 }
 
