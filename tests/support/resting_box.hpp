@@ -1,6 +1,6 @@
 #pragma once
-// Boxes and plates on a table, with many redundant contacts: the complementarity problems of Stewart and Trinkle
-// that are hardest for a pivoting method, because nearly all of their ratios tie.
+// Boxes and plates on a table, with many redundant contacts: the complementarity problems of
+// Stewart and Trinkle that are hardest for a pivoting method, because nearly all of their ratios tie.
 #include <cmath>
 #include <vector>
 
@@ -20,9 +20,9 @@ struct ContactLcp {
   Eigen::VectorXd x, u;
 };
 
-/// A rigid body (x = position, small rotation, velocity, angular velocity; u = force at its centre) on
-/// 4 to 10 corners, at most 64 rows: flat, tilted or sunk by rounding or more; at rest, sliding, spinning
-/// or falling; 4 or more edges of the friction cone, μ from 0 to 1.5. All of it in the round numbers
+/// A rigid body (x = position, small rotation, velocity, angular velocity; u = force at its centre)
+/// on 4 to 10 corners, at most 64 rows: flat, tilted or sunk, by rounding or more; at rest, sliding,
+/// spinning or falling; 4 or more edges of the friction cone, μ from 0 to 1.5. In the round numbers
 /// in which ties are exact, or turned about the vertical, which leaves rounding in them.
 inline ContactLcp resting_box(Random& random) {
   using Eigen::Vector3d;
@@ -77,7 +77,9 @@ inline ContactLcp resting_box(Random& random) {
       for (double& value : v) value = number(-1.0, 1.0);
       break;
     case 5:  // pushed from rest
-      u = Vector3d(number(-20.0, 20.0), number(-20.0, 20.0), random.index(2) ? 0.0 : number(-5.0, 5.0));
+      u[0] = number(-20.0, 20.0);
+      u[1] = number(-20.0, 20.0);
+      if (random.index(2) == 0) u[2] = number(-5.0, 5.0);
       break;
   }
   double height = 0.0, tilt_x = 0.0, tilt_y = 0.0;
@@ -130,9 +132,9 @@ inline ContactLcp resting_box(Random& random) {
     system.J_n.row(i) = row(Vector3d::UnitZ());
     for (int e = 0; e < n_e; ++e) {
       const double angle = 2.0 * M_PI * e / n_e;
-      system.J_t.row(i * n_e + e) =
-          n_e == 4 && round ? row(turned * std::vector<Vector3d>{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}[e])
-                            : row(turned * Vector3d(std::cos(angle), std::sin(angle), 0.0));
+      Vector3d edge(std::cos(angle), std::sin(angle), 0.0);
+      if (n_e == 4 && round) edge = {std::round(edge.x()), std::round(edge.y()), 0.0};
+      system.J_t.row(i * n_e + e) = row(turned * edge);
     }
   }
   ContactLcp problem;
@@ -143,7 +145,8 @@ inline ContactLcp resting_box(Random& random) {
   const lcs::Lcs& l = problem.lcs;
   problem.F = l.F;
   problem.q = l.c + l.E * problem.x + l.H * u;
-  problem.terms = l.c.cwiseAbs() + l.E.cwiseAbs() * problem.x.cwiseAbs() + l.H.cwiseAbs() * u.cwiseAbs();
+  problem.terms = l.c.cwiseAbs() + l.E.cwiseAbs() * problem.x.cwiseAbs() +
+                  l.H.cwiseAbs() * u.cwiseAbs();
   return problem;
 }
 

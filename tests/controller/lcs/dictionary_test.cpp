@@ -44,7 +44,8 @@ TEMPLATE_TEST_CASE("dictionary: λ that were exchanged solve their rows", "", do
     VectorXd lambda = VectorXd::Zero(n);
     if (!chosen.empty()) {
       const VectorXd forces = MatrixXd(F(chosen, chosen)).fullPivLu().solve(-q(chosen));
-      for (std::size_t i = 0; i < chosen.size(); ++i) lambda[chosen[i]] = forces[static_cast<int>(i)];
+      for (std::size_t i = 0; i < chosen.size(); ++i)
+        lambda[chosen[i]] = forces[static_cast<Eigen::Index>(i)];
     }
     const VectorXd y = F * lambda + q;
     for (int i = 0; i < n; ++i) {

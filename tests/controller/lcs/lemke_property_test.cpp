@@ -1,5 +1,5 @@
-// Random LCPs of every kind, checked by enumeration of all bases, and frictional contact with as many
-// ties as there can be.
+// Random LCPs of every kind, checked by enumeration of all bases, and frictional contact with as
+// many ties as there can be.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -30,8 +30,8 @@ using VectorXw = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 
 /// The largest |min(λ_i, y_i)|, each beside what it is made of: forces beside the largest in their
 /// units, gaps beside the terms of their row.
-double violation(const MatrixXd& F, const VectorXd& terms, const VectorXd& q, const VectorXd& lambda,
-                 const VectorXd& unit) {
+double violation(const MatrixXd& F, const VectorXd& terms, const VectorXd& q,
+                 const VectorXd& lambda, const VectorXd& unit) {
   const VectorXw force = lambda.cast<Wide>();
   const VectorXw y = F.cast<Wide>() * force + q.cast<Wide>();
   const Wide largest = (force.array() / unit.cast<Wide>().array()).maxCoeff();
@@ -63,7 +63,8 @@ bool enumeration_solves(const MatrixXd& F, const VectorXd& q) {
       const VectorXw solution = lu.solve(-q_wide(support));
       for (std::size_t i = 0; i < support.size(); ++i) lambda[support[i]] = solution[i];
     }
-    if (lambda.minCoeff() >= -1e-15L && (F_wide * lambda + q_wide).minCoeff() >= -1e-15L) return true;
+    const VectorXw y = F_wide * lambda + q_wide;
+    if (lambda.minCoeff() >= -1e-15L && y.minCoeff() >= -1e-15L) return true;
   }
   return false;
 }
@@ -100,7 +101,7 @@ Lcp random_lcp(Random& random, int kind, int n) {
       }
       break;
     }
-    case 3: {  // forces in a ring: each gap is opened by the next force alone, so that covers end in rays
+    case 3: {  // a ring: each gap is opened by the next force alone, so that covers end on rays
       p.F.setZero();
       for (int i = 0; i < n; ++i) p.F(i, (i + 1) % n) = 0.1 + std::abs(random.uniform());
       p.q = -VectorXd::Ones(n).cwiseProduct(random.vector(n).cwiseAbs());

@@ -260,21 +260,27 @@ TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
           LcpStatus::kInaccurate);
 }
 
-TEST_CASE("lemke: it does not allocate, whether it solves, at once or by any other way, or does not") {
+TEST_CASE("lemke: it does not allocate, whether it solves, at once or by other ways, or not") {
   support::Random random(7);
   const MatrixXd F = p_matrix(random, 20), no_solution = -MatrixXd::Identity(20, 20);
   const VectorXd q = random.vector(20), negative = -VectorXd::Ones(20);
-  Lemke lemke(20);
-  VectorXd lambda(20);
+  const MatrixXd ring = (MatrixXd(2, 2) << 0, 1, 1, 0).finished(), none = MatrixXd::Zero(2, 2);
+  const VectorXd closed = -VectorXd::Ones(2);
+  Lemke lemke(20), small(2);
+  VectorXd lambda(20), forces(2);
   std::int64_t heap_calls = -1;
-  LcpReport solved{}, ray{};
+  LcpReport solved{}, ray{}, by_a_start{}, small_ray{};
   {
     const support::AllocationCounter heap;
     solved = lemke.solve(F, q, lambda);
     ray = lemke.solve(no_solution, negative, lambda);
+    by_a_start = small.solve(ring, closed, forces);
+    small_ray = small.solve(none, closed, forces);
     heap_calls = heap.count();
   }
   REQUIRE(solved.status == LcpStatus::kSolved);
   REQUIRE(ray.status == LcpStatus::kRay);
+  REQUIRE(by_a_start.status == LcpStatus::kSolved);
+  REQUIRE(small_ray.status == LcpStatus::kRay);
   REQUIRE(heap_calls == 0);
 }
