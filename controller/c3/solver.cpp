@@ -129,7 +129,10 @@ void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
   check(costs, sizes_, settings_.projection);
   check(constraints, sizes_);
   has_costs_ = false;
-  qp_->set_costs(costs, constraints);
+  Costs of_qp = costs;
+  // the consensus term of C3+ fills a whole block; a G that is there all the same says nothing of it
+  if (settings_.projection == ProjectionKind::kPlus) of_qp.G = {};
+  qp_->set_costs(of_qp, constraints);
   for (const Worker& worker : workers_) worker.projection->set_weights(costs);
   G_ = costs.G;
   plus_ = costs.plus;

@@ -337,6 +337,30 @@ TEST_CASE("solver: both QP steps and both projections solve the ball's problem")
   }
 }
 
+TEST_CASE("solver: a G that is given with C3+ changes nothing, whatever the QP back end") {
+  const Problem p = problem();
+  Settings precise = settings(QpBackend::kOsqp);
+  precise.osqp = {50000, 1e-9, 0.1, 50, true};
+  Settings by_direct = settings();
+  by_direct.projection = precise.projection = ProjectionKind::kPlus;
+  Costs costs = rolling_ball::costs(rolling_ball::Phase::kRoll);
+  const int n_lambda = rolling_ball::sizes().n_lambda;
+  const VectorXd ones = VectorXd::Ones(n_lambda);
+  costs.plus = {ones, ones, ones, ones};
+  costs.G = {};
+  Solver direct(rolling_ball::sizes(), by_direct);
+  direct.set_costs(costs);
+  const VectorXd expected = direct.solve(p.lcs, p.x0, p.x_desired).u_0();
+  costs.G = MatrixXd(MatrixXd::Identity(rolling_ball::sizes().n_z(), rolling_ball::sizes().n_z()));
+  for (const Settings& with : {by_direct, precise}) {
+    Solver solver(rolling_ball::sizes(), with);
+    solver.set_costs(costs);
+    const Solution& solution = solver.solve(p.lcs, p.x0, p.x_desired);
+    REQUIRE(solution.status == SolveStatus::kOk);
+    CHECK((solution.u_0() - expected).norm() < 1e-5 * (1e-3 + expected.norm()));
+  }
+}
+
 TEST_CASE("solver: a solve does not allocate") {
   const Problem p = problem(), other = problem(-0.0005, 0.1);
   const std::vector<lcs::Lcs> varying(rolling_ball::kN, p.lcs);

@@ -51,9 +51,16 @@ TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
 
 TEST_CASE("planner mode: what comes next in every situation") {
   const auto situation = [](bool state, bool ball, bool hold, bool reached, bool returning) {
-    return Situation{state, ball, hold, reached, returning, false};
+    Situation known{};
+    known.state_fresh = state;
+    known.balls_at_hand = ball;
+    known.hold_requested = hold;
+    known.start_pose_reached = reached;
+    known.returning = returning;
+    return known;
   };
-  for (const Mode mode : {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kHold}) {
+  for (const Mode mode : {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kRest,
+                          Mode::kHold}) {
     CHECK(next(mode, situation(false, true, false, true, false)) == Mode::kWait);
     CHECK(next(mode, situation(true, false, false, true, false)) == Mode::kHold);
     CHECK(next(mode, situation(true, true, true, true, false)) == Mode::kHold);
@@ -66,8 +73,23 @@ TEST_CASE("planner mode: what comes next in every situation") {
   CHECK(next(Mode::kReturn, situation(true, true, false, false, false)) == Mode::kRoll);
   CHECK(next(Mode::kRoll, situation(true, true, false, false, true)) == Mode::kReturn);
   // to another ball through the air
-  CHECK(next(Mode::kRoll, {true, true, false, false, true, true}) == Mode::kApproach);
-  CHECK(next(Mode::kRoll, {true, false, false, false, true, true}) == Mode::kHold);
+  Situation other = situation(true, true, false, false, true);
+  other.other_ball = true;
+  CHECK(next(Mode::kRoll, other) == Mode::kApproach);
+  other.balls_at_hand = false;
+  CHECK(next(Mode::kRoll, other) == Mode::kHold);
+  // a ball is brought to rest before the end effector leaves it
+  Situation rest = situation(true, true, false, false, false);
+  rest.rest_wanted = true;
+  CHECK(next(Mode::kRoll, rest) == Mode::kRest);
+  CHECK(next(Mode::kRest, rest) == Mode::kRest);
+  rest.ball_left = true;
+  CHECK(next(Mode::kRest, rest) == Mode::kHold);
+  // where the robot did not follow, what was going on is over
+  Situation left = situation(true, true, false, false, false);
+  left.robot_left = true;
+  CHECK(next(Mode::kRoll, left) == Mode::kApproach);
+  CHECK(next(Mode::kRest, left) == Mode::kApproach);
 }
 
 namespace {
