@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 constexpr int kMaxRefinements = 4;
 constexpr double kConverged = 1e-13;  // estimated error beside the largest entry of its kind
 constexpr double kAcceptable = 1e-6;  // gradient beside its largest term; worse: not solved
-constexpr double kSettled = 1e-7;     // the last refinement beside the largest entry of its kind
+constexpr double kSettled = 1e-7;     // what the next refinement would change of its kind; more: not solved
 constexpr double kKnown = 1e-10;      // of λ and u, what rounding may leave open
 constexpr double kConsistent = 1e-9;  // the same for what the states miss the dynamics by
 
@@ -70,7 +70,7 @@ class DirectQp final : public QpStep {
     if (lambda_0_ != nullptr) sizes_.lambda(z.col(0)) = *lambda_0_;
     riccati_.defects(z, x_N, defect_);
     cost_.gradient(z, x_N, gradient_, gradient_N_);
-    double change = 0.0;
+    double change = 0.0, next_change = 0.0;
     int refinements = -1;  // the first step is the solution, those after it refine
     while (refinements < kMaxRefinements) {
       riccati_.step(gradient_, gradient_N_, defect_, step_, step_N_);
@@ -83,6 +83,7 @@ class DirectQp final : public QpStep {
       change = relative_step(sizes_, step_, z);
       if (refinements == 0) continue;
       // a step shrinks the error by about as much as the steps shrink
+      next_change = change < previous ? change * (change / previous) : change;
       if (change * change <= kConverged * previous || !(change <= 0.25 * previous)) break;
     }
     const Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z);
@@ -91,7 +92,7 @@ class DirectQp final : public QpStep {
         relative(found, cost_.terms(gradient_, gradient_N_), riccati_.largest_gain());
     QpStatus status = QpStatus::kNotConverged;
     // a NaN anywhere must not look solved
-    if (primal <= kConsistent && dual <= kAcceptable && change <= kSettled) {
+    if (primal <= kConsistent && dual <= kAcceptable && next_change <= kSettled) {
       status = QpStatus::kSolved;
     }
     if (!(found.unknown <= kKnown)) status = QpStatus::kNotFactorable;

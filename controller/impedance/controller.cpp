@@ -310,7 +310,7 @@ Vector7d Controller::law_torque(const Input& input) noexcept {
   const Torque wanted = torque(parameters_.gains, state_, input.q, input.dq, reference_);
   const Vector7d change = wanted.of_goal - tau_of_goal_;
   const double largest = change.cwiseAbs().maxCoeff();
-  const double step = 0.5 * parameters_.limits.tau_rate_max * parameters_.period;
+  const double step = parameters_.limits.tau_rate_max * parameters_.period;
   if (largest <= step) {
     tau_of_goal_ = wanted.of_goal;
   } else {

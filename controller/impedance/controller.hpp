@@ -113,9 +113,9 @@ struct Output {
 /// leads the arm by more than the limits allow. So whatever a plan asks, the arm is asked for no
 /// more than it can give; near the joints' velocity limits for less and less.
 ///
-/// The torque changes at most by tau_rate_max * period per cycle. What the plan asks has half of
-/// that, all joints in proportion: if it had all of it, the damping would come too late, and the
-/// joints that need little torque before those that need much, which turns the elbow and the wrist.
+/// The torque changes at most by tau_rate_max * period per cycle. Where what the plan asks changes
+/// faster, all joints change in proportion: else the joints that need little torque would have theirs
+/// before those that need much, which turns the elbow and the wrist.
 ///
 /// A robot of a new session is a new robot: all memory of the old one, a latched stop included, is
 /// dropped.

@@ -29,7 +29,7 @@ struct Limits {
   Eigen::Vector3d workspace_min;   // box for the tracked position, in W [m]
   Eigen::Vector3d workspace_max;
   model::Vector7d tau_max;       // [N m]
-  double tau_rate_max;           // half of it at most for what the plan asks [N m/s]
+  double tau_rate_max;           // [N m/s]
   model::Vector7d q_min, q_max;  // outside: stop [rad]
   model::Vector7d dq_max;        // outside: stop [rad/s]
   double state_timeout;          // an older robot state stops the arm for good [s]

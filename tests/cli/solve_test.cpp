@@ -99,7 +99,8 @@ TEST_CASE("solve: a trace holds every iterate") {
   const Json result = Json::parse(Place().solve(traced).output);
   REQUIRE(result["iters"].size() == 4);
   for (const Json& iterate : result["iters"]) {
-    CHECK(keys(iterate) == std::vector<std::string>{"delta", "proj", "rho", "w", "xN", "z"});
+    CHECK(keys(iterate) == std::vector<std::string>{"delta", "proj", "qp_dual_residual", "qp_primal_residual", "rho",
+                                                        "w", "xN", "z"});
   }
   CHECK(result["iters"][3]["xN"] == result["x"][3]);
 }

@@ -97,12 +97,19 @@ TEST_CASE(
   request.verb = c3rt_v1_REQUEST_RECOVER;
   requests.write(request, rt::now_ns());
   wire::ServiceReply reply{};
+  // the reflex ends, but the robot does not move while nobody commands it, and the answer says so
   REQUIRE(until([&] { return replies.take(reply); }, listen));
   CHECK(reply.request_id == 7);
-  CHECK(reply.ok);
+  CHECK_FALSE(reply.ok);
+  CHECK_THAT(reply.text, Catch::Contains("no commands arrive"));
   REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_IDLE; }, listen));
   CHECK(state.errors == 0);
-  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_MOVE; }, command));
+  request.request_id = 8;
+  requests.write(request, rt::now_ns());
+  REQUIRE(until([&] { return replies.take(reply); }, command));
+  CHECK(reply.request_id == 8);
+  CHECK(reply.ok);
+  CHECK(state.mode == c3rt_v1_ROBOT_MOVE);
 
   wire::FaultInject fault{};
   fault.process = c3rt_v1_PROCESS_PLANT;
