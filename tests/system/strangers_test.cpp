@@ -208,10 +208,12 @@ std::string lockstep_hash(const std::string& name, bool with_stranger) {
     if (!with_stranger) return;
     wire::Bus bus(settings());
     wire::Reader<wire::RobotState> states(bus);
+    wire::RobotState state{};
+    // a run does not begin on a domain on which somebody commands a robot
+    while (!over && !states.take_newest(state)) usleep(1000);
     RawWriter plans(bus, wire::topic<wire::Plan>()),
         commands(bus, wire::topic<wire::RobotCommand>()),
         estimates(bus, wire::topic<wire::BallEstimate>());
-    wire::RobotState state{};
     for (std::uint64_t seq = 1; !over; ++seq) {
       (void)states.take_newest(state);
       auto plan = plain<wire::Plan>();
