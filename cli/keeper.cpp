@@ -1,5 +1,6 @@
 #include "cli/keeper.hpp"
 
+#include <thread>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -42,6 +43,11 @@ std::optional<ChildExit> Keeper::step() {
   const double now = now_s();
   hear(now);
   while (const auto end = supervisor_.take_ended()) {
+    // somebody else may have heard of all four a moment earlier
+    for (int i = 0; i < 20 && !came_up_ && !launch_.lockstep(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      hear(now_s());
+    }
     if (!came_up_ || launch_.lockstep()) return end;
     bury(*end, now);
   }
