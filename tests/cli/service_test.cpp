@@ -208,7 +208,7 @@ TEST_CASE("service: where a domain has no room for another program, the limit is
   const std::string options = place.on_domain() + " --dds '" + profile + "'";
   const Outcome outcome = c3rt::support::outcome_of(
       place.command("echo plan --timeout 60" + options) +
-      " >/dev/null 2>&1 & first=$!; for i in $(seq 20); do " + place.command("status" + options) +
+      " >/dev/null 2>&1 & first=$!; for i in $(seq 100); do sleep 0.1; " + place.command("status" + options) +
       "; status=$?; [ $status = 2 ] && break; done; kill $first; exit $status");
   CHECK(outcome.status == 2);
   CHECK_THAT(outcome.output, Contains("as many programs use the domain as the profile allows "
