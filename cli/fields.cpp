@@ -1,5 +1,7 @@
 #include "cli/fields.hpp"
 
+#include "idl/faults.hpp"
+
 namespace c3rt::cli {
 
 const char* name_of(c3rt_v1_RobotMode value) {
@@ -100,24 +102,6 @@ const char* name_of(c3rt_v1_RequestVerb value) {
   return "?";
 }
 
-const char* name_of(c3rt_v1_FaultKind value) {
-  switch (value) {
-    case c3rt_v1_FAULT_NONE:
-      return "none";
-    case c3rt_v1_FAULT_PUSH_BALL:
-      return "push-ball";
-    case c3rt_v1_FAULT_DROP_COMMANDS:
-      return "drop-commands";
-    case c3rt_v1_FAULT_FREEZE_CAMERA:
-      return "freeze-camera";
-    case c3rt_v1_FAULT_LOSE_BALL:
-      return "lose-ball";
-    case c3rt_v1_FAULT_STALL:
-      return "stall";
-    case c3rt_v1_FAULT_NAN:
-      return "nan";
-  }
-  return "?";
-}
+const char* name_of(c3rt_v1_FaultKind value) { return wire::fault_name(value); }
 
 }  // namespace c3rt::cli
