@@ -16,6 +16,8 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "config/directory.hpp"
+
 namespace c3rt::cli {
 namespace fs = std::filesystem;
 namespace {
@@ -42,13 +44,11 @@ std::string joined(const std::vector<std::string>& names) {
 /// A file from its path or, in `folder` of the configuration, from its name.
 fs::path find(const std::string& what, const std::string& given, const std::string& folder,
               const std::string& extension) {
-  const bool is_path =
-      given.find('/') != std::string::npos || fs::path(given).extension() == extension;
-  if (is_path) {
+  if (config::is_path(given, extension)) {
     if (!fs::is_regular_file(given)) throw UsageError(what + " \"" + given + "\": no such file");
     return fs::absolute(given);
   }
-  const fs::path directory = config_directory() / folder;
+  const fs::path directory = config::directory() / folder;
   fs::path file = directory / (given + extension);
   if (given.empty() || !fs::is_regular_file(file)) {
     throw UsageError("unknown " + what + " \"" + given +
@@ -71,18 +71,8 @@ fs::path process_directory() {
   return chosen != nullptr ? fs::path(chosen) : binary_directory();
 }
 
-fs::path config_directory() {
-  const fs::path here = binary_directory();
-  for (const fs::path& candidate : {here / "../share/c3rt/config", here / "../../../config"}) {
-    if (fs::is_directory(candidate / "scenarios")) return fs::weakly_canonical(candidate);
-  }
-  throw UsageError("the scenarios are neither in " +
-                   (here / "../share/c3rt/config").lexically_normal().string() + " nor in " +
-                   (here / "../../../config").lexically_normal().string());
-}
-
 std::vector<std::string> scenario_names() {
-  return names_in(config_directory() / "scenarios", ".yaml");
+  return names_in(config::directory() / "scenarios", ".yaml");
 }
 
 fs::path scenario_path(const std::string& scenario) {

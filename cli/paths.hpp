@@ -20,10 +20,6 @@ std::filesystem::path binary_directory();
 /// Where c3rt-plant and the others are: beside this program, or C3RT_PROCESS_DIRECTORY.
 std::filesystem::path process_directory();
 
-/// config/ of the source tree, or share/c3rt/config of the installed one. @throws UsageError where
-/// neither is
-std::filesystem::path config_directory();
-
 /// The named scenarios, sorted.
 std::vector<std::string> scenario_names();
 

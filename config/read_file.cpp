@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "config/section.hpp"
+#include "config/config_error.hpp"
 
 namespace c3rt::config {
 

@@ -3,23 +3,17 @@
 // refused with file, line, key and what was expected.
 #include <initializer_list>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "config/text.hpp"
+#include "config/config_error.hpp"
 
 namespace c3rt::config {
 
-/// "circle.yaml:12: planner.admm.iterations: expected an integer in [1, 50], got 0": one line, with
-/// nothing in it that a terminal would obey.
-class ConfigError : public std::runtime_error {
- public:
-  explicit ConfigError(const std::string& text) : std::runtime_error(printable(text, 2000)) {}
-};
+struct Tree;
 
 struct Range {
   double min;
@@ -61,6 +55,9 @@ class Section {
     fail(key, "one of " + names, "\"" + value + "\"");
   }
   bool has(const std::string& key) const;
+  /// Whether a key that need not be there is. @throws ConfigError where it is `needed` and is not;
+  /// `why`: "projection plus"
+  bool given(const std::string& key, bool needed, const std::string& why) const;
   Section section(const std::string& key);  // a mapping below this one
   std::vector<Section> list(const std::string& key, int min_size,
                             int max_size);  // a list of mappings
@@ -73,11 +70,14 @@ class Section {
 
  private:
   friend class Document;
+  /// The same at one value of a list.
+  [[noreturn]] void fail_at(const Tree& at, const std::string& key, const std::string& expected,
+                            const std::string& got) const;
   struct Node;
   std::shared_ptr<Node> node_;
 };
 
-/// A scenario file with overrides applied.
+/// A scenario file, laid over what it extends, with overrides applied.
 class Document {
  public:
   /// @param overrides "planner.admm.iterations=2": replaces one existing key; an unknown one is
@@ -86,6 +86,9 @@ class Document {
   static Section load(const std::string& path, const std::vector<std::string>& overrides = {});
   static Section parse(const std::string& text, const std::string& name,
                        const std::vector<std::string>& overrides = {});
+
+ private:
+  static Section open(Tree tree);
 };
 
 }  // namespace c3rt::config

@@ -14,6 +14,8 @@
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
 #include "cli/supervisor.hpp"
+#include "config/extends.hpp"
+#include "config/show.hpp"
 
 namespace c3rt::cli::campaign {
 namespace fs = std::filesystem;
@@ -75,12 +77,18 @@ json order(const std::vector<Job>& jobs, const std::string& address, int at_once
   json programs = json::object();
   for (const char* name : kPrograms) programs[name] = sha256(binary_directory() / name);
   json list = json::array();
-  for (const Job& job : jobs)
+  json scenarios = json::object();  // whole, so that a worker needs no file of ours
+  for (const Job& job : jobs) {
     list.push_back({{"words", job.words}, {"folder", job.folder.string()}});
+    const std::string& file = job.words.front();
+    if (!scenarios.contains(file))
+      scenarios[file] = config::show(config::load_composed(file), config::Comments::kNone);
+  }
   return {{"program", (binary_directory() / "c3rt").string()},
           {"programs_sha256", programs},
           {"address", address},
           {"at_once", at_once},
+          {"scenarios", scenarios},
           {"jobs", list}};
 }
 

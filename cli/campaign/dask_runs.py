@@ -2,6 +2,7 @@
 
 Called by `c3rt campaign --engine dask` with a file of jobs:
   {"program": PATH, "programs_sha256": {NAME: HASH}, "address": "" or "tcp://host:port", "at_once": N,
+   "scenarios": {SCENARIO_FILE: TEXT},
    "jobs": [{"words": [SCENARIO_FILE, "--seed=7", ...], "folder": DIR}, ...]}
 A finished job leaves DIR/report.json, DIR/run.log and, last, DIR/end.json: {"status", "wall_s", "failure"}.
 A worker needs c3rt at the same path, or at the path in its C3RT_PROGRAM; the scenario's text travels with the job.
@@ -116,7 +117,7 @@ def main():
             scenario = pathlib.Path(job["words"][0])
             future = client.submit(
                 run_job, order["program"], order["programs_sha256"], job["words"][1:], scenario.name,
-                scenario.read_text(), stop_name, pure=False)
+                order["scenarios"][job["words"][0]], stop_name, pure=False)
             folders[future] = job["folder"]
         while folders and not stopped.is_set():
             for future in [future for future in folders if future.done()]:

@@ -11,7 +11,9 @@
 #include "cli/example/scenario.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
+#include "config/extends.hpp"
 #include "config/scenario.hpp"
+#include "config/show.hpp"
 
 namespace c3rt::cli::campaign {
 namespace fs = std::filesystem;
@@ -141,13 +143,14 @@ class Line {
 
 std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSettings& settings) {
   const std::string program = programs();
-  std::map<std::string, std::string> scenario_texts;  // by file
+  std::map<std::string, std::string> scenarios;  // by file: the whole, with what it extends
   std::vector<Plan> plans;
   for (const RunSpec& spec : specs) {
     const fs::path file = scenario_path(spec.scenario);
     const bool example = is_example(file);
-    auto [text, is_new] = scenario_texts.try_emplace(file.string());
-    if (is_new) text->second = hash(read_text(file));
+    auto [whole, is_new] = scenarios.try_emplace(file.string());
+    if (is_new)
+      whole->second = hash(config::show(config::load_composed(file.string()), config::Comments::kNone));
     const std::vector<std::string> overrides = overrides_of(spec, example);
     if (plans.empty() || is_new || spec.overrides != plans.back().result.spec.overrides)
       check(file, overrides, example);
@@ -155,7 +158,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
     plan.result.spec = spec;
     plan.result.spec.example = example;
     plan.result.folder = fs::absolute(settings.folder) / spec.name;
-    plan.key = {{"scenario", text->second}, {"overrides", overrides},    {"seed", spec.seed},
+    plan.key = {{"scenario", whole->second}, {"overrides", overrides},    {"seed", spec.seed},
                 {"logs", spec.logs},        {"pictures", spec.pictures}, {"programs", program}};
     plan.job = {spec.name, words(spec, file, example), plan.result.folder};
     plans.push_back(plan);

@@ -1,12 +1,17 @@
 #include "config/scenario.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <catch2/catch.hpp>
 
+#include "controller/example/load_experiment.hpp"
+
 using c3rt::config::ConfigError;
+using c3rt::config::Document;
 using c3rt::config::load_scenario;
+using c3rt::config::Section;
 using c3rt::planner::CircleTask;
 using Catch::Matchers::Contains;
 
@@ -23,15 +28,22 @@ std::string error_of(const std::vector<std::string>& overrides) {
   return "no error";
 }
 
-/// circle_slow with another section `task`.
-c3rt::config::Scenario with_task(const std::string& task) {
-  std::ifstream file(kFolder + "circle_slow.yaml");
+std::string read_file(const std::string& path) {
+  std::ifstream file(path);
+  REQUIRE(file);
   std::ostringstream text;
   text << file.rdbuf();
-  std::string whole = text.str();
-  const std::size_t at = whole.find("task:\n"), end = whole.find("\ncriteria:");
-  whole.replace(at, end - at, task);
-  return c3rt::config::read_scenario(c3rt::config::Document::parse(whole, "other.yaml"));
+  return text.str();
+}
+
+/// circle_slow with another section `task`.
+c3rt::config::Scenario with_task(const std::string& task) {
+  const std::string circle = read_file(kFolder + "circle_slow.yaml");
+  const std::size_t at = circle.find("task:\n"), end = circle.find("\ncriteria:");
+  REQUIRE(at != std::string::npos);
+  REQUIRE(end != std::string::npos);
+  return c3rt::config::read_scenario(
+      Document::parse(circle.substr(0, at) + task + circle.substr(end), "other.yaml"));
 }
 
 const std::string kPath =
@@ -43,17 +55,34 @@ const std::string kLine =
 }  // namespace
 
 TEST_CASE("scenario: every shipped file can be loaded, and is named as its file") {
-  for (const char* name : {"circle_slow", "circle_slow_plus", "circle_slow_convex", "circle_fast",
-                           "circle_fast_plus", "circle_fast_convex", "circle_vision"}) {
-    const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
-    CHECK(scenario.name == name);
-    const auto* circle = std::get_if<CircleTask>(&scenario.task.motion);
-    REQUIRE(circle != nullptr);
-    CHECK(circle->radius == 0.1);
-    CHECK(std::get<CircleTask>(scenario.planner.task).lead == circle->lead);
+  int scenarios = 0, examples = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    const std::string file = entry.path().string();
+    CAPTURE(file);
+    Section root = Document::load(file);
+    if (root.has("example")) {
+      CHECK(root.name("name") == entry.path().stem());
+      CHECK_NOTHROW(c3rt::example::load_experiment(root));
+      ++examples;
+      continue;
+    }
+    const c3rt::config::Scenario scenario = load_scenario(file);
+    CHECK(scenario.name == entry.path().stem());
+    CHECK_FALSE(scenario.description.empty());
+    CHECK(scenario.task.motion.index() == scenario.planner.task.index());
     CHECK_FALSE(scenario.criteria.empty());
     CHECK_FALSE(scenario.plant.world.balls.empty());
+    ++scenarios;
   }
+  CHECK(scenarios >= 21);
+  CHECK(examples >= 4);
+}
+
+TEST_CASE("scenario: the task of a circle is the planner's, too") {
+  const c3rt::config::Scenario scenario = load_scenario(kFolder + "circle_slow.yaml");
+  const auto& circle = std::get<CircleTask>(scenario.task.motion);
+  CHECK(circle.radius == 0.1);
+  CHECK(std::get<CircleTask>(scenario.planner.task).lead == circle.lead);
 }
 
 TEST_CASE(
@@ -167,10 +196,7 @@ TEST_CASE("scenario: several balls have weights, contacts and friction of their 
 }
 
 TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {
-  std::ifstream file(kFolder + "circle_slow.yaml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  const std::string whole = text.str();
+  const std::string whole = read_file(kFolder + "circle_slow.yaml");
   for (const std::string section : {"task:", "timing:", "planner:", "  c3:", "  approach:",
                                     "plant:", "impedance:", "  gains:", "vision:", "  filter:"}) {
     const std::size_t at = whole.find("\n" + section);

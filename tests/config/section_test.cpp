@@ -87,14 +87,29 @@ TEST_CASE("section: what is not a finite number is refused") {
   }
 }
 
-TEST_CASE("section: finish refuses keys that nobody read, also below, and keys given twice") {
+TEST_CASE("section: finish refuses keys that nobody read, also below") {
   Section root = Document::parse("a: 1\nb:\n  c: 1\n  d: 2\n", "c.yaml");
   (void)root.number("a", {0, 1});
   (void)root.section("b").number("c", {0, 1});
   CHECK_THAT(error_of([&] { root.finish(); }), Equals("c.yaml:4: b.d: unknown key"));
-  Section twice = Document::parse("a: 1\na: 1\n", "d.yaml");
-  (void)twice.number("a", {0, 1});
-  CHECK_THAT(error_of([&] { twice.finish(); }), Contains("a: given twice"));
+}
+
+TEST_CASE("section: a key that is given twice is refused, wherever it stands") {
+  const auto error = [](const std::string& text) {
+    return error_of([&] { (void)Document::parse(text, "d.yaml"); });
+  };
+  CHECK_THAT(error("a: 1\na: 1\n"), Equals("d.yaml:2: a: given twice"));
+  CHECK_THAT(error("a:\n  b: 1\n  c: 2\n  b: 1\n"), Equals("d.yaml:4: a.b: given twice"));
+  CHECK_THAT(error("a:\n  - x: 1\n  - x: 1\n    y: 2\n    x: 3\n"),
+             Equals("d.yaml:5: a.1.x: given twice"));
+}
+
+TEST_CASE("section: an error in a list names the line of the value, not of the list") {
+  Section root = Document::parse("a:\n  - 1\n  - 9\nb: [\n  [1, 2],\n  [1, 9]]\n", "l.yaml");
+  CHECK_THAT(error_of([&] { (void)root.numbers("a", 2, {0, 5}); }),
+             Equals("l.yaml:3: a: expected a list of 2 numbers in [0, 5], got \"9\" at place 2"));
+  CHECK_THAT(error_of([&] { (void)root.rows("b", 1, 2, 2, {0, 5}); }),
+             Contains("l.yaml:6: b: ") && Contains("at place 2"));
 }
 
 TEST_CASE("section: an override replaces one existing key and no other") {
@@ -107,8 +122,12 @@ TEST_CASE("section: an override replaces one existing key and no other") {
              Contains("--set planner.rate: no such key"));
   CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }),
              Contains("no such key"));
-  CHECK_THAT(error_of([] { (void)planner({"planner.balls..mass_kg=1"}); }),
-             Contains("no such key"));
+  for (const std::string path : {"planner.balls..mass_kg", "planner.", "planner.rate_hz.", ".planner", "."})
+    CHECK_THAT(error_of([&] { (void)planner({path + "=1"}); }), Contains("no such key"));
+  CHECK_THAT(error_of([] {
+               (void)planner({"planner.balls.1={mass_kg: 7}"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1});
+             }),
+             Equals("a.yaml with --set: planner.balls.1.mass_kg: expected a number in [0, 1], got \"7\""));
   CHECK_THAT(error_of([] { (void)planner({"rate"}); }), Contains("expected key=value"));
   CHECK_THAT(
       error_of([] {
@@ -149,6 +168,15 @@ TEST_CASE("section: what no scenario needs is refused before anything is built f
   }
   CHECK_THAT(refused(laughs), Catch::Contains("at most 100 aliases"));
   CHECK(refused("a: &x 1\nb: *x\n") == "taken");
+  // few aliases that are many values, or endless
+  std::string doubled = "a0: &a0 [x, x]\n";
+  for (int i = 1; i < 20; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    doubled += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
+  }
+  CHECK_THAT(refused(doubled), Catch::Contains("at most 50000 values"));
+  CHECK_THAT(refused("a: &x [*x]\n"), Catch::Contains("an alias of the value that it stands in"));
+  CHECK_THAT(refused("[1, 2]: 3\n"), Catch::Contains("bomb.yaml:1: not YAML: expected a text as key, got a list of 2"));
 }
 
 TEST_CASE("section: a file of 100 MB is refused without reading it, a folder and an empty one too") {
