@@ -24,6 +24,7 @@
 #include "cli/paths.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
+#include "cli/scenario.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
 #include "idl/faults.hpp"
@@ -292,6 +293,17 @@ class CommandLine {
     solve->add_option("problem", problem_, "Problem file (JSON): docs/problem_files.md")
         ->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
+    CLI::App* scenario = command(
+        app_, "scenario", "Prints a scenario whole, with the file and line of every value", [this] {
+          return scenario_.empty() ? cli::list_scenarios()
+                                   : cli::print_scenario(scenario_, overrides_);
+        });
+    scenario->add_option("scenario", scenario_,
+                         "Name of a scenario, or a path to its file; none: lists those there are");
+    scenario
+        ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
+        ->expected(1)
+        ->take_all();
     add_bench();
   }
 
@@ -326,7 +338,8 @@ class CommandLine {
   std::vector<double> position_m_{0.55, 0.0};
   double radius_m_ = 0.1;
   double lead_deg_ = 20.0;
-  std::string problem_, out_;
+  std::string problem_, out_, scenario_;
+  std::vector<std::string> overrides_;
   cli::BenchSettings bench_;
 };
 

@@ -92,16 +92,6 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections) {
   return criteria;
 }
 
-Service load_service(Section& root) {
-  Service service{Recovery::kAutomatic};
-  if (!root.has("service")) return service;
-  Section section = root.section("service");
-  service.recovery = section.choice<Recovery>(
-      "recovery", {{"automatic", Recovery::kAutomatic}, {"by_person", Recovery::kByPerson}});
-  section.finish();
-  return service;
-}
-
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
@@ -109,11 +99,8 @@ Scenario load_scenario(const std::string& path, const std::vector<std::string>& 
 }
 
 Scenario read_scenario(Section root) {
-  if (root.has("example")) {
-    root.fail("example", "no such key: a numerical example has none of the four processes",
-              root.text("example") + " (c3rt run runs it)");
-  }
   Scenario scenario{};
+  scenario.service = load_service(root);
   scenario.name = root.name("name");
   scenario.description = root.text("description");
   scenario.task = load_task(root.section("task"));
@@ -121,15 +108,13 @@ Scenario read_scenario(Section root) {
   Section timing = root.section("timing");
   scenario.timing.solve_time_s = timing.number("solve_time_s", {0, 1});
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
-  scenario.service = load_service(root);
   scenario.plant = plant::load_parameters(root.section("plant"));
-  scenario.impedance = impedance::load_parameters(root.section("impedance"));
+  scenario.impedance = impedance::load_from_scenario(root);
   scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
                                               static_cast<int>(scenario.plant.world.balls.size()));
   scenario.vision = vision::load_parameters(root.section("vision"));
   root.finish();
-  const bool alone = scenario.service.recovery == Recovery::kAutomatic;
-  scenario.plant.recovers_alone = scenario.impedance.recovers_alone = alone;
+  scenario.plant.recovers_alone = scenario.service.recovery == Recovery::kAutomatic;
   return scenario;
 }
 

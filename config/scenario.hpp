@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/section.hpp"
+#include "config/service.hpp"
 #include "controller/impedance/parameters.hpp"
 #include "controller/planner/parameters.hpp"
 #include "plant_emulator/parameters.hpp"
@@ -30,14 +31,6 @@ struct Criterion {
 struct Timing {
   double solve_time_s;      // of the planner
   double vision_latency_s;  // exposure to estimate
-};
-
-/// Who ends a standstill that lost messages alone have brought about (commands that the robot
-/// missed, robot states that its controller missed), once they come steadily again.
-enum class Recovery { kAutomatic, kByPerson };
-
-struct Service {
-  Recovery recovery;
 };
 
 struct Scenario {

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "config/extends.hpp"
 #include "config/text.hpp"
 
 namespace c3rt::config {
@@ -126,6 +127,10 @@ std::string show(const Tree& tree, Comments comments) {
   Shower shower(tree, comments);
   shower.add(tree, "");
   return shower.text();
+}
+
+std::string whole_scenario(const std::string& path) {
+  return show(load_composed(path), Comments::kNone);
 }
 
 }  // namespace c3rt::config

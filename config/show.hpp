@@ -11,4 +11,8 @@ enum class Comments { kNone, kPlaces };
 /// says where the value was written: "# circle_slow.yaml:12", "# --set".
 std::string show(const Tree& tree, Comments comments);
 
+/// The scenario of a file with what it extends, as one text that needs no other file.
+/// @throws ConfigError
+std::string whole_scenario(const std::string& path);
+
 }  // namespace c3rt::config

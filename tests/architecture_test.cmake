@@ -36,6 +36,8 @@ refuse(controller/miqp/ "\"controller/(model|impedance|planner|rt)/" "dependency
 refuse(controller/model/ "\"controller/(c3|impedance|planner|rt)/" "dependency runs the other way")
 refuse(controller/example/ "\"controller/(impedance|planner|rt)/" "dependency runs the other way")
 
+set(except "/(scenario|process_options|json_reader|problem_file|problem_result)\\.")
+refuse(config/ "\"(cli|controller|idl|plant_emulator|vision)/" "the reader knows no room")
 set(except "_main\\.cpp|scenario\\.")
 refuse(plant_emulator/ "\"(controller/(lcs|c3|model|impedance|planner)|vision)/" "the plant knows no controller")
 set(except "_main\\.cpp")

@@ -61,23 +61,33 @@ Parameters load_parameters(config::Section section) {
   p.source = section.choice<SourceKind>(
       "source", {{"cameras", SourceKind::kCameras}, {"emulated", SourceKind::kEmulated}});
   p.rate = section.number("rate_hz", {1, 1000});
-  config::Section emulated = section.section("emulated");
-  p.emulated.noise = emulated.number("noise_m", {0, 0.1});
-  p.emulated.clip = emulated.number("clip_m", {0, 0.1});
+  const bool cameras = p.source == SourceKind::kCameras;
+  const std::string why = cameras ? "source cameras" : "source emulated";
+  if (section.given("emulated", !cameras, why)) {
+    config::Section emulated = section.section("emulated");
+    p.emulated.noise = emulated.number("noise_m", {0, 0.1});
+    p.emulated.clip = emulated.number("clip_m", {0, 0.1});
+  }
   p.estimator = load_filter(section.section("filter"));
-  config::Section fusion = section.section("fusion");
-  p.fusion.outlier = fusion.number("outlier_m", {1e-4, 1});
-  if (fusion.has("rays")) p.fusion.rays = fusion.boolean("rays");
-  p.detector = load_detector(section.section("detector"));
+  if (section.given("fusion", cameras, why)) {
+    config::Section fusion = section.section("fusion");
+    p.fusion.outlier = fusion.number("outlier_m", {1e-4, 1});
+    if (fusion.has("rays")) p.fusion.rays = fusion.boolean("rays");
+  }
+  if (section.given("detector", cameras, why))
+    p.detector = load_detector(section.section("detector"));
   p.colours = BallColours::kDistinct;
   if (section.has("ball_colours")) {
     p.colours = section.choice<BallColours>(
         "ball_colours", {{"distinct", BallColours::kDistinct}, {"same", BallColours::kSame}});
   }
-  p.pixel_noise = section.number("pixel_noise", {0, 50});
-  for (config::Section& camera : section.list("cameras", 0, kMaxCameras))
-    p.cameras.push_back(load_camera(camera));
-  if (p.source == SourceKind::kCameras && p.cameras.empty()) {
+  if (section.given("pixel_noise", cameras, why))
+    p.pixel_noise = section.number("pixel_noise", {0, 50});
+  if (section.given("cameras", cameras, why)) {
+    for (config::Section& camera : section.list("cameras", 0, kMaxCameras))
+      p.cameras.push_back(load_camera(camera));
+  }
+  if (cameras && p.cameras.empty()) {
     section.fail("cameras", "at least one camera, because source is cameras", "none");
   }
   for (const CameraParameters& camera : p.cameras) {

@@ -14,7 +14,6 @@
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
 #include "cli/supervisor.hpp"
-#include "config/extends.hpp"
 #include "config/show.hpp"
 
 namespace c3rt::cli::campaign {
@@ -81,8 +80,7 @@ json order(const std::vector<Job>& jobs, const std::string& address, int at_once
   for (const Job& job : jobs) {
     list.push_back({{"words", job.words}, {"folder", job.folder.string()}});
     const std::string& file = job.words.front();
-    if (!scenarios.contains(file))
-      scenarios[file] = config::show(config::load_composed(file), config::Comments::kNone);
+    if (!scenarios.contains(file)) scenarios[file] = config::whole_scenario(file);
   }
   return {{"program", (binary_directory() / "c3rt").string()},
           {"programs_sha256", programs},

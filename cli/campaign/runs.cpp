@@ -11,7 +11,6 @@
 #include "cli/example/scenario.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
-#include "config/extends.hpp"
 #include "config/scenario.hpp"
 #include "config/show.hpp"
 
@@ -149,8 +148,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
     const fs::path file = scenario_path(spec.scenario);
     const bool example = is_example(file);
     auto [whole, is_new] = scenarios.try_emplace(file.string());
-    if (is_new)
-      whole->second = hash(config::show(config::load_composed(file.string()), config::Comments::kNone));
+    if (is_new) whole->second = hash(config::whole_scenario(file.string()));
     const std::vector<std::string> overrides = overrides_of(spec, example);
     if (plans.empty() || is_new || spec.overrides != plans.back().result.spec.overrides)
       check(file, overrides, example);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/paths.hpp"
+#include "config/show.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -37,7 +38,7 @@ ordered_json Context::part(const std::string& name, const std::string& scenario,
                            const Overrides& overrides, const ordered_json& inputs,
                            const std::function<ordered_json()>& compute) const {
   const std::filesystem::path file = out_ / "parts" / (settings_.what + "-" + name + ".json");
-  const ordered_json key{{"scenario", read_text(scenario_path(scenario))},
+  const ordered_json key{{"scenario", config::whole_scenario(scenario_path(scenario).string())},
                          {"overrides", shortened(overrides)},
                          {"inputs", inputs}};
   if (!settings_.fresh && std::filesystem::is_regular_file(file)) {

@@ -1,6 +1,19 @@
 #include "controller/c3/load_settings.hpp"
 
 namespace c3rt::c3 {
+namespace {
+
+OsqpSettings load_osqp(config::Section section) {
+  OsqpSettings osqp{};
+  osqp.max_iterations = section.integer("max_iterations", {1, 1e6});
+  osqp.eps = section.number("eps", {1e-12, 1});
+  osqp.rho = section.number("rho", {1e-9, 1e9});
+  osqp.adaptive_rho_interval = section.integer("adaptive_rho_interval", {0, 1e6});
+  osqp.polish = section.boolean("polish");
+  return osqp;
+}
+
+}  // namespace
 
 Settings load_settings(config::Section section) {
   Settings settings{};
@@ -16,13 +29,12 @@ Settings load_settings(config::Section section) {
                                                     {"admm", ProjectionKind::kAdmm},
                                                     {"convex", ProjectionKind::kConvex},
                                                     {"plus", ProjectionKind::kPlus}});
-  settings.max_nodes = section.integer("max_nodes", {1, 1e6});
-  config::Section osqp = section.section("osqp");
-  settings.osqp.max_iterations = osqp.integer("max_iterations", {1, 1e6});
-  settings.osqp.eps = osqp.number("eps", {1e-12, 1});
-  settings.osqp.rho = osqp.number("rho", {1e-9, 1e9});
-  settings.osqp.adaptive_rho_interval = osqp.integer("adaptive_rho_interval", {0, 1e6});
-  settings.osqp.polish = osqp.boolean("polish");
+  const bool searches = settings.projection == ProjectionKind::kMiqp;
+  settings.max_nodes = section.given("max_nodes", searches, "projection miqp")
+                           ? section.integer("max_nodes", {1, 1e6})
+                           : 1;
+  if (section.given("osqp", settings.qp == QpBackend::kOsqp, "qp osqp"))
+    settings.osqp = load_osqp(section.section("osqp"));
   return settings;
 }
 

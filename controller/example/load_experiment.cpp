@@ -90,13 +90,23 @@ void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
   } else {
     costs.Q_N = costs.Q[0];
   }
-  costs.G = load_z_weight(section.section("G"), s);
-  costs.U = load_z_weight(section.section("U"), s);
-  config::Section convex = section.section("convex");
-  costs.convex.Q_x = convex.number("Q_x", {1e-12, 1e12}) * MatrixXd::Identity(s.n_x, s.n_x);
-  costs.convex.Q_u = convex.number("Q_u", {1e-12, 1e12}) * MatrixXd::Identity(s.n_u, s.n_u);
-  costs.convex.alpha = convex.number("alpha", {0, 1});
-  costs.convex.epsilon = convex.number("epsilon", {0, 1e6});
+  const c3::ProjectionKind projection = e.c3.projection;
+  const bool is_convex = projection == c3::ProjectionKind::kConvex;
+  const bool is_plus = projection == c3::ProjectionKind::kPlus;
+  if (section.given("G", !is_plus, "a projection other than plus"))
+    costs.G = load_z_weight(section.section("G"), s);
+  const bool weighs =
+      projection == c3::ProjectionKind::kMiqp || projection == c3::ProjectionKind::kAdmm;
+  if (section.given("U", weighs, "projection miqp or admm"))
+    costs.U = load_z_weight(section.section("U"), s);
+  if (section.given("convex", is_convex, "projection convex")) {
+    config::Section convex = section.section("convex");
+    costs.convex.Q_x = convex.number("Q_x", {1e-12, 1e12}) * MatrixXd::Identity(s.n_x, s.n_x);
+    costs.convex.Q_u = convex.number("Q_u", {1e-12, 1e12}) * MatrixXd::Identity(s.n_u, s.n_u);
+    costs.convex.alpha = convex.number("alpha", {0, 1});
+    costs.convex.epsilon = convex.number("epsilon", {0, 1e6});
+  }
+  if (!section.given("plus", is_plus, "projection plus")) return;
   config::Section plus = section.section("plus");
   for (const auto& [key, weight] :
        {std::pair{"g_lambda", &costs.plus.g_lambda}, std::pair{"g_eta", &costs.plus.g_eta},
@@ -148,7 +158,9 @@ Experiment load(config::Section root, Kind kind) {
   e.start = c3.choice<StartPolicy>("start", {{"fresh", StartPolicy::kFresh},
                                              {"carried_forces", StartPolicy::kCarriedForces},
                                              {"shifted", StartPolicy::kShifted}});
-  e.start_reset_period = c3.number("start_reset_period_s", {0, 1e6});
+  const bool carries = e.start == StartPolicy::kCarriedForces;
+  if (c3.given("start_reset_period_s", carries, "start carried_forces"))
+    e.start_reset_period = c3.number("start_reset_period_s", {0, 1e6});
 
   const c3::Sizes s = sizes(e);
   load_weights(root.section("weights"), s, e);

@@ -8,7 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "config/process_options.hpp"
-#include "config/scenario.hpp"
+#include "controller/impedance/load_parameters.hpp"
 #include "controller/impedance/service.hpp"
 #include "controller/impedance/servo.hpp"
 #include "controller/model/arm.hpp"
@@ -43,8 +43,8 @@ void become_servo_thread(const impedance::Thread& thread) {
 }
 
 int run(const config::ProcessOptions& options) {
-  const impedance::Parameters parameters =
-      config::load_scenario(options.scenario_path, options.overrides).impedance;
+  config::Section scenario = config::Document::load(options.scenario_path, options.overrides);
+  const impedance::Parameters parameters = impedance::load_from_scenario(scenario);
   model::Arm arm(impedance::urdf_of(parameters));
 
   wire::Bus bus(wire::bus_settings(options));

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "config/service.hpp"
+
 namespace c3rt::impedance {
 
 namespace {
@@ -80,6 +82,13 @@ Parameters load_parameters(config::Section section) {
   parameters.thread = load_thread(section.section("thread"));
   if (section.has("urdf")) parameters.urdf_path = section.text("urdf");
   section.finish();
+  return parameters;
+}
+
+Parameters load_from_scenario(config::Section& root) {
+  const config::Service service = config::load_service(root);
+  Parameters parameters = load_parameters(root.section("impedance"));
+  parameters.recovers_alone = service.recovery == config::Recovery::kAutomatic;
   return parameters;
 }
 

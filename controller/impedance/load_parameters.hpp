@@ -8,4 +8,8 @@ namespace c3rt::impedance {
 /// @throws config::ConfigError naming file, line, key and what is allowed
 Parameters load_parameters(config::Section section);
 
+/// What c3rt-impedance needs of a whole scenario; it does not look at the sections of the others.
+/// @throws config::ConfigError as load_parameters
+Parameters load_from_scenario(config::Section& root);
+
 }  // namespace c3rt::impedance

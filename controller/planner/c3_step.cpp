@@ -70,7 +70,7 @@ c3::Costs costs_of(const PlanningModel& model, PhaseWeights weights, bool has_ga
   costs.Q_N = Q.asDiagonal();
   costs.R = weights.R * Eigen::MatrixXd::Identity(kInputs, kInputs);
   costs.G = G.asDiagonal();
-  costs.U = U.asDiagonal();
+  if (weights.U_x > 0.0) costs.U = U.asDiagonal();  // else the projection has no use for it
   costs.convex = {weights.U_x * Eigen::MatrixXd::Identity(n_x, n_x),
                   weights.U_u * Eigen::MatrixXd::Identity(kInputs, kInputs), weights.convex_alpha,
                   weights.convex_epsilon};

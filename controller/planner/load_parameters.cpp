@@ -15,7 +15,7 @@ PhaseWeights::Gaps load_gaps(config::Section& plus, const std::string& key) {
           plus.number(key + "_slip", kPositiveWeight, cone)};
 }
 
-PhaseWeights load_weights(config::Section section, int balls) {
+PhaseWeights load_weights(config::Section section, int balls, c3::ProjectionKind projection) {
   PhaseWeights weights{};
   config::Section Q = section.section("Q");
   weights.Q_end_effector = Q.number("end_effector", kWeight);
@@ -38,18 +38,27 @@ PhaseWeights load_weights(config::Section section, int balls) {
     weights.G_balls_normal = G.number("balls_normal", kPositiveWeight);
     weights.G_balls_tangential = G.number("balls_tangential", kPositiveWeight);
   }
-  config::Section U = section.section("U");
-  weights.U_x = U.number("x", kPositiveWeight);
-  weights.U_lambda = U.number("lambda", kPositiveWeight);
-  weights.U_u = U.number("u", kPositiveWeight);
-  config::Section convex = section.section("convex");
-  weights.convex_alpha = convex.number("alpha", {0, 1});
-  weights.convex_epsilon = convex.number("epsilon", {0, 1});
-  config::Section plus = section.section("plus");
-  if (plus.has("g_lambda")) weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
-  weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
-  weights.plus_g_eta = load_gaps(plus, "g_eta");
-  weights.plus_u_eta = load_gaps(plus, "u_eta");
+  const bool lcp = projection == c3::ProjectionKind::kLcp;
+  const bool is_convex = projection == c3::ProjectionKind::kConvex;
+  const bool is_plus = projection == c3::ProjectionKind::kPlus;
+  if (section.given("U", !lcp && !is_plus, "a projection other than lcp and plus")) {
+    config::Section U = section.section("U");
+    weights.U_x = U.number("x", kPositiveWeight);
+    weights.U_lambda = U.number("lambda", kPositiveWeight);
+    weights.U_u = U.number("u", kPositiveWeight);
+  }
+  if (section.given("convex", is_convex, "projection convex")) {
+    config::Section convex = section.section("convex");
+    weights.convex_alpha = convex.number("alpha", {0, 1});
+    weights.convex_epsilon = convex.number("epsilon", {0, 1});
+  }
+  if (section.given("plus", is_plus, "projection plus")) {
+    config::Section plus = section.section("plus");
+    if (plus.has("g_lambda")) weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
+    weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
+    weights.plus_g_eta = load_gaps(plus, "g_eta");
+    weights.plus_u_eta = load_gaps(plus, "u_eta");
+  }
   return weights;
 }
 
@@ -127,8 +136,8 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
 
   config::Section weights = section.section("weights");
-  parameters.roll = load_weights(weights.section("roll"), balls);
-  parameters.back = load_weights(weights.section("return"), balls);
+  parameters.roll = load_weights(weights.section("roll"), balls, parameters.c3.projection);
+  parameters.back = load_weights(weights.section("return"), balls, parameters.c3.projection);
 
   config::Section heuristic = section.section("heuristic");
   parameters.heuristic.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});

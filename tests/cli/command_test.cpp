@@ -221,3 +221,49 @@ TEST_CASE("an unknown topic is a usage error that lists the known ones") {
   CHECK(outcome.status == 2);
   CHECK_THAT(outcome.output, Contains("ball/estimate"));
 }
+
+TEST_CASE("c3rt scenario prints a scenario whole, so that the print can be run in its place") {
+  const Place place;
+  const Outcome outcome = place.c3rt("scenario circle_fast --set planner.rate_hz=75");
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.output, Catch::StartsWith("name: circle_fast") && Contains("# circle_fast.yaml:2\n"));
+  CHECK_THAT(outcome.output, Contains("  rate_hz: 75") && Contains("# --set\n"));
+  CHECK_THAT(outcome.output, Contains("  speed_limit_m_per_s: 0.2") && Contains("# circle_slow.yaml:"));
+  CHECK_THAT(outcome.output, !Contains("extends"));
+  const std::string mine = (place.path() / "mine.yaml").string();
+  std::ofstream(mine) << outcome.output;
+  const Outcome again = place.c3rt("scenario '" + mine + "'");
+  CHECK(again.status == 0);
+  const auto without_comments = [](const std::string& text) {
+    std::istringstream lines(text);
+    std::string bare;
+    for (std::string line; std::getline(lines, line);) {
+      line.erase(std::min(line.find(" # "), line.size()));
+      line.erase(line.find_last_not_of(' ') + 1);
+      bare += line + "\n";
+    }
+    return bare;
+  };
+  CHECK(without_comments(again.output) == without_comments(outcome.output));
+  CHECK(place.c3rt("scenario cart_pole").status == 0);
+}
+
+TEST_CASE("c3rt scenario without a name lists every file of the folder with its description") {
+  const Outcome outcome = Place().c3rt("scenario");
+  CHECK(outcome.status == 0);
+  for (const auto& entry : fs::directory_iterator(C3RT_SOURCE_DIRECTORY "/config/scenarios"))
+    CHECK_THAT(outcome.output, Contains(entry.path().stem().string() + " "));
+}
+
+TEST_CASE("c3rt scenario refuses what c3rt run would, by file and line") {
+  const Place place;
+  const std::string mine = (place.path() / "mine.yaml").string();
+  std::ofstream(mine) << "name: mine\ndescription: own\nextends: circle_fast\nplanner:\n  horizon: 99\n";
+  for (const std::string verb : {"scenario", "run"}) {
+    const Outcome outcome = place.c3rt(verb + " '" + mine + "'");
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.output, Contains("mine.yaml:5: planner.horizon: expected an integer in [1, 10], got \"99\""));
+  }
+  CHECK(place.c3rt("scenario no_such_scenario").status == 2);
+  CHECK(place.c3rt("scenario circle_fast --set planner.no_such_key=1").status == 2);
+}

@@ -210,3 +210,91 @@ TEST_CASE("scenario: a key that nobody knows is refused, wherever it stands") {
     CHECK_THROWS_WITH(load_scenario(path), Contains("typo_s: unknown key"));
   }
 }
+
+namespace {
+
+/// A shipped scenario with changes, or the error.
+std::string error_with(const std::string& base, const std::string& changes,
+                       const std::vector<std::string>& overrides = {}) {
+  try {
+    (void)c3rt::config::read_scenario(Document::parse(
+        "name: own\ndescription: none\nextends: " + base + "\n" + changes, "own.yaml", overrides));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("scenario: what extends a shipped one is checked as a whole, by the line of each value") {
+  CHECK(error_with("circle_fast", "planner: {rate_hz: 100}\n") == "no error");
+  CHECK_THAT(error_with("circle_fast", "planner:\n  horizon: 99\n"),
+             Catch::StartsWith("own.yaml:5: planner.horizon: expected an integer in [1, 10]"));
+  CHECK_THAT(error_with("circle_fast", "planner:\n  horizn: 5\n"),
+             Catch::StartsWith("own.yaml:5: planner.horizn: unknown key"));
+  // the base is right for one ball, not for two
+  CHECK_THAT(error_with("circle_fast",
+                        "plant:\n  balls:\n"
+                        "    - {position_m: [0.55, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"
+                        "    - {position_m: [0.45, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"),
+             Contains("circle_slow.yaml:") && Contains("planner.model.friction_balls: missing"));
+  // a key of the base that the file's choice has no use for
+  CHECK_THAT(error_with("circle_fast",
+                        "task: {kind: line, x_m: 0.55, step_m: -0.01, y_end_m: -0.1, "
+                        "spacing_m: 0.08}\n"),
+             Contains("circle_slow.yaml:") && Contains("task.center_m: unknown key"));
+}
+
+TEST_CASE("scenario: what is not chosen may be absent, and is asked for where it is chosen") {
+  struct Row {
+    std::string absent, choice, error;
+  };
+  const std::string both = "planner: {weights: {roll: {KEY: ~}, return: {KEY: ~}}}\n";
+  const auto weights = [&](const std::string& key) {
+    std::string text = both;
+    for (std::size_t at; (at = text.find("KEY")) != std::string::npos;) text.replace(at, 3, key);
+    return text;
+  };
+  const Row rows[] = {
+      {weights("plus"), "planner.c3.projection=plus",
+       "planner.weights.roll.plus: missing, projection plus needs it"},
+      {weights("convex"), "planner.c3.projection=convex",
+       "planner.weights.roll.convex: missing, projection convex needs it"},
+      {"planner: {c3: {projection: lcp}, weights: {roll: {U: ~}, return: {U: ~}}}\n",
+       "planner.c3.projection=miqp",
+       "planner.weights.roll.U: missing, a projection other than lcp and plus needs it"},
+      {"planner: {c3: {projection: lcp, max_nodes: ~}}\n", "planner.c3.projection=miqp",
+       "planner.c3.max_nodes: missing, projection miqp needs it"},
+      {"planner: {c3: {osqp: ~}}\n", "planner.c3.qp=osqp",
+       "planner.c3.osqp: missing, qp osqp needs it"},
+      {"vision: {detector: ~}\n", "vision.source=cameras",
+       "vision.detector: missing, source cameras needs it"},
+      {"vision: {fusion: ~}\n", "vision.source=cameras",
+       "vision.fusion: missing, source cameras needs it"},
+      {"vision: {cameras: ~}\n", "vision.source=cameras",
+       "vision.cameras: missing, source cameras needs it"},
+      {"vision: {pixel_noise: ~}\n", "vision.source=cameras",
+       "vision.pixel_noise: missing, source cameras needs it"},
+      {"vision: {source: cameras, emulated: ~}\n", "vision.source=emulated",
+       "vision.emulated: missing, source emulated needs it"},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.absent, row.choice);
+    CHECK(error_with("circle_slow", row.absent) == "no error");
+    CHECK_THAT(error_with("circle_slow", row.absent, {row.choice}), Contains(row.error));
+  }
+}
+
+TEST_CASE("scenario: what is there is checked though it is not chosen") {
+  CHECK_THAT(error_of({"planner.weights.roll.plus.g_eta=-1"}),
+             Contains("planner.weights.roll.plus.g_eta: expected a number in"));
+  CHECK_THAT(error_of({"planner.weights.return.convex.alpha=2"}),
+             Contains("planner.weights.return.convex.alpha: expected a number in [0, 1]"));
+  CHECK_THAT(error_of({"planner.c3.osqp.eps=0"}),
+             Contains("planner.c3.osqp.eps: expected a number in"));
+  CHECK_THAT(error_of({"vision.detector.rays=1"}),
+             Contains("vision.detector.rays: expected an integer"));
+  CHECK_THAT(error_with("circle_slow", "planner: {weights: {roll: {plus: {g_etta: 1}}}}\n"),
+             Contains("own.yaml:4: planner.weights.roll.plus.g_etta: unknown key"));
+}

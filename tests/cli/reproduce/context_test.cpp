@@ -52,6 +52,24 @@ TEST_CASE("a part is computed once, and anew where anything that it depends on h
   CHECK(value(other, {"control.horizon=20"}, {{"limit", 3}}) == 5);
 }
 
+TEST_CASE("a part is computed anew where what its scenario extends has changed") {
+  const Folder folder;
+  const std::string base = (folder.path() / "base.yaml").string();
+  const std::string own = (folder.path() / "own.yaml").string();
+  std::ofstream(own) << "extends: base.yaml\nx: 1\n";
+  int computed = 0;
+  const auto value = [&] {
+    return Context(settings(folder), never)
+        .part("part", own, {}, {}, [&] { return ordered_json(++computed); })
+        .get<int>();
+  };
+  std::ofstream(base) << "y: 1\n";
+  CHECK(value() == 1);
+  CHECK(value() == 1);
+  std::ofstream(base) << "y: 2\n";
+  CHECK(value() == 2);
+}
+
 TEST_CASE("a part that was cut short by a crash is computed anew") {
   const Folder folder;
   const Context context(settings(folder), never);

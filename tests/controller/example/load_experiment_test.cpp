@@ -30,3 +30,36 @@ TEST_CASE("example scenario: a QP step that cannot hold the constraints is refus
                     Contains("c3.qp: expected interior_point or osqp"));
   CHECK_NOTHROW(load("pivoting", {"c3.qp=direct"}));
 }
+
+TEST_CASE(
+    "example scenario: what is not chosen may be absent, and is asked for where it is chosen") {
+  const auto error = [](const std::string& changes, const std::vector<std::string>& overrides) {
+    try {
+      (void)example::load_experiment(config::Document::parse(
+          "name: own\ndescription: none\nextends: cart_pole\n" + changes, "own.yaml", overrides));
+    } catch (const config::ConfigError& refused) {
+      return std::string(refused.what());
+    }
+    return std::string("no error");
+  };
+  const std::string rows[][3] = {
+      {"weights: {plus: ~}\n", "c3.projection=plus",
+       "weights.plus: missing, projection plus needs it"},
+      {"weights: {convex: ~}\n", "c3.projection=convex",
+       "weights.convex: missing, projection convex needs it"},
+      {"weights: {U: ~}\n", "c3.projection=admm",
+       "weights.U: missing, projection miqp or admm needs it"},
+      {"c3: {projection: plus}\nweights: {G: ~}\n", "c3.projection=lcp",
+       "weights.G: missing, a projection other than plus needs it"},
+      {"c3: {max_nodes: ~}\n", "c3.projection=miqp",
+       "c3.max_nodes: missing, projection miqp needs it"},
+      {"c3: {osqp: ~}\n", "c3.qp=osqp", "c3.osqp: missing, qp osqp needs it"},
+      {"c3: {start_reset_period_s: ~}\n", "c3.start=carried_forces",
+       "c3.start_reset_period_s: missing, start carried_forces needs it"},
+  };
+  for (const auto& [absent, choice, message] : rows) {
+    CAPTURE(absent, choice);
+    CHECK(error(absent, {}) == "no error");
+    CHECK_THAT(error(absent, {choice}), Contains(message));
+  }
+}
