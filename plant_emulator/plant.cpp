@@ -111,11 +111,14 @@ void Plant::count_command(bool received) noexcept {
   if (!received) ++state_.lost_commands;
 }
 
-bool Plant::recovers_alone() noexcept {
-  const bool lost_commands = mode_.mode == Mode::kReflex &&
-                             mode_.errors == bit(Error::kCommunicationConstraintsViolation);
-  back_in_a_row_ = lost_commands && events_.command ? back_in_a_row_ + 1 : 0;
-  return parameters_.recovers_alone && back_in_a_row_ >= kCommandsToRecover;
+bool Plant::commands_are_back() noexcept {
+  if (!waits_for_commands()) back_ = missing_ = 0;
+  if (events_.command) {
+    ++back_;
+  } else if (back_ > 0 && ++missing_ >= kLostCommandsMax) {
+    back_ = missing_ = 0;
+  }
+  return waits_for_commands() && back_ >= kCommandsToRecover;
 }
 
 void Plant::enter(ModeState next_mode) noexcept {
@@ -139,7 +142,7 @@ void Plant::step_1ms() noexcept {
     if (!events_.command && lost_in_a_row_ + 1 >= kLostCommandsMax)
       events_.errors |= bit(Error::kCommunicationConstraintsViolation);
   }
-  events_.recover = recovers_alone() || events_.recover;
+  events_.recover = commands_are_back() || events_.recover;
   const bool command = events_.command;
   enter(next(mode_, events_));
   events_ = {};

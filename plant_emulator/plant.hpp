@@ -24,7 +24,7 @@ inline const Vector7d kTorqueMax = (Vector7d() << 87, 87, 87, 87, 12, 12, 12).fi
 constexpr double kTorqueRateMax = 1000.0;  // [N m/s]
 constexpr double kCycle = 1e-3;            // [s]
 constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
-constexpr int kCommandsToRecover = 200;    // in a row, then it moves again by itself
+constexpr int kCommandsToRecover = 200;    // with fewer missing than stop it, then it moves by itself
 constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 
 /// Whether whole steps of the integration fill a cycle.
@@ -76,6 +76,11 @@ class Plant {
 
   /// At the end of the last cycle.
   const State& state() const noexcept { return state_; }
+  /// It stopped because commands were missing, and moves by itself once they come again.
+  bool waits_for_commands() const noexcept {
+    return parameters_.recovers_alone && mode_.mode == Mode::kReflex &&
+           mode_.errors == bit(Error::kCommunicationConstraintsViolation);
+  }
 
   /// Pushes a ball during the next cycle. RT: no heap, no throw.
   void push_ball(int index, const Eigen::Vector3d& impulse) noexcept;  // [N s], in W
@@ -91,7 +96,7 @@ class Plant {
   Vector7d brake_torque() noexcept;
   Vector7d gravity_torque() noexcept;
   void count_command(bool received) noexcept;
-  bool recovers_alone() noexcept;
+  bool commands_are_back() noexcept;
   void enter(ModeState next_mode) noexcept;
   void substep(const Vector7d& tau) noexcept;
   void read() noexcept;
@@ -112,7 +117,8 @@ class Plant {
   Vector7d command_ = Vector7d::Zero();  // newest accepted
   std::uint64_t newest_seq_ = 0;
   std::int64_t newest_state_ns_ = 0;
-  int lost_in_a_row_ = 0, back_in_a_row_ = 0;
+  int lost_in_a_row_ = 0;
+  int back_ = 0, missing_ = 0;  // commands since they came again after a reflex
   std::bitset<kSuccessWindow> received_;
   int window_ = 0;  // cycles counted in received_, at most kSuccessWindow
   int window_at_ = 0;

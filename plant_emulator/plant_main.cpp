@@ -135,6 +135,7 @@ class Cycle {
     mode_ = s.mode;
     shown_mode_.store(s.mode, std::memory_order_relaxed);
     shown_errors_.store(s.errors, std::memory_order_relaxed);
+    shown_waiting_.store(plant_.waits_for_commands(), std::memory_order_relaxed);
   }
 
   wire::RobotState state() const noexcept {
@@ -159,6 +160,7 @@ class Cycle {
   std::int64_t cycles() const noexcept { return static_cast<std::int64_t>(cycles_.load()); }
   int moving_cycles() const noexcept { return shown_moving_.load(std::memory_order_relaxed); }
   bool standing() const noexcept { return shown_standing_.load(std::memory_order_relaxed); }
+  bool waits_for_commands() const noexcept { return shown_waiting_.load(std::memory_order_relaxed); }
 
  private:
   /// Stands still, but not when it is asked to end.
@@ -183,7 +185,7 @@ class Cycle {
   std::atomic<Mode> shown_mode_{Mode::kIdle};
   std::atomic<Errors> shown_errors_{0};
   std::atomic<int> shown_moving_{0};
-  std::atomic<bool> shown_standing_{false};
+  std::atomic<bool> shown_standing_{false}, shown_waiting_{false};
 };
 
 /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
@@ -256,7 +258,9 @@ class ClientDesk {
   bool answer_recovery(const Pending& pending, std::int64_t passed, std::int64_t now_ns) {
     const Mode mode = cycle_.mode();
     const bool moves = mode == Mode::kMove && cycle_.moving_cycles() >= kSteadyCycles;
-    const bool stopped_again = mode == Mode::kReflex || mode == Mode::kUserStopped;
+    // a reflex that ends by itself is no answer yet
+    const bool stopped_again = (mode == Mode::kReflex && !cycle_.waits_for_commands()) ||
+                               mode == Mode::kUserStopped;
     if (!moves && !stopped_again && passed < kAnswerWithinCycles) return false;
     replies_.answer(pending.id, moves,
                     mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"
@@ -273,7 +277,9 @@ class ClientDesk {
       case Mode::kMove:
         return "follows commands";
       case Mode::kReflex:
-        return "reflex: " + names(cycle_.errors()) + "; request recover";
+        return "reflex: " + names(cycle_.errors()) +
+               (cycle_.waits_for_commands() ? "; moves again once commands come steadily"
+                                            : "; request recover");
       case Mode::kUserStopped:
         break;
     }

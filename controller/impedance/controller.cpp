@@ -156,6 +156,7 @@ Output Controller::step(const Input& input) noexcept {
   output.v_WE_desired = reference_.v_WE;
   output.q_WE_desired = reference_.q_WE;
   output.stop_reason = stop_reason_;
+  output.ends_alone = stop_ends_alone();
   output.plan = plan_verdict_;
   output.steady_cycles = steady_cycles_;
   output.counters = counters_;
@@ -221,10 +222,15 @@ void Controller::change_mode(const Input& input) noexcept {
   away_ = false;
 }
 
+bool Controller::stop_ends_alone() const noexcept {
+  return parameters_.recovers_alone && mode_ == Mode::kStop &&
+         stop_reason_ == StopReason::kStateStale;
+}
+
 bool Controller::recovers(bool asked) noexcept {
-  const bool missing = mode_ == Mode::kStop && stop_reason_ == StopReason::kStateStale;
-  good_cycles_ = missing && stale_cycles_ == 0 && fault_ == StateFault::kNone ? good_cycles_ + 1 : 0;
-  return asked || (parameters_.recovers_alone && good_cycles_ >= kGoodStates);
+  const bool good = stale_cycles_ == 0 && fault_ == StateFault::kNone;
+  good_cycles_ = stop_ends_alone() && good ? good_cycles_ + 1 : 0;
+  return asked || good_cycles_ >= kGoodStates;
 }
 
 void Controller::rest_here() noexcept {

@@ -99,6 +99,7 @@ struct Output {
   Eigen::Vector3d v_WE_desired;  // [m/s]
   Eigen::Quaterniond q_WE_desired;
   StopReason stop_reason;
+  bool ends_alone;  // the stop, once good states come steadily
   PlanVerdict plan;
   int steady_cycles;  // in a row: the robot moves, and is held or tracks
   Counters counters;
@@ -133,6 +134,7 @@ class Controller {
   void meet_new_robot(std::uint64_t session_id) noexcept;
   void change_mode(const Input& input) noexcept;
   void rest_here() noexcept;
+  bool stop_ends_alone() const noexcept;
   bool recovers(bool asked) noexcept;
   Goal target(const Input& input) noexcept;
   void move_reference(const Input& input) noexcept;

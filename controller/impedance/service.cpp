@@ -63,7 +63,8 @@ std::string describe(const Snapshot& snapshot) {
       break;
   }
   return std::string("stopped: ") + to_text(snapshot.stop_reason) +
-         "; damps until a recovery is requested";
+         (snapshot.ends_alone ? "; damps until it comes steadily again"
+                              : "; damps until a recovery is requested");
 }
 
 Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
@@ -115,11 +116,11 @@ void Service::take_requests() {
 
 void Service::answer_requests() {
   pending_.erase(std::remove_if(pending_.begin(), pending_.end(),
-                                [this](Pending& pending) { return answered(pending); }),
+                                [this](const Pending& pending) { return answered(pending); }),
                  pending_.end());
 }
 
-bool Service::answered(Pending& pending) {
+bool Service::answered(const Pending& pending) {
   if (snapshot_.cycle < pending.cycle + kCyclesToObey) return false;
   const bool late = snapshot_.cycle >= pending.cycle + kAnswerWithinCycles;
   const bool stopped = snapshot_.mode == Mode::kStop;
@@ -131,9 +132,9 @@ bool Service::answered(Pending& pending) {
     if (!ok) text += "; the arm does not stand yet";
   } else {
     ok = snapshot_.steady_cycles >= kSteadyCycles;
-    const bool again = stopped || (pending.moved && snapshot_.steady_cycles == 0);
-    pending.moved = pending.moved || snapshot_.steady_cycles > 0;
-    if (!ok && !again && !late) return false;
+    // whether the robot goes on after another stop is its own word; ours is final where a person must help
+    const bool final = stopped && !snapshot_.ends_alone;
+    if (!ok && !final && !late) return false;
     if (!ok && !snapshot_.robot_moves) text += "; the robot does not move";
   }
   replies_.answer(pending.request.request_id, ok, text, rt::now_ns());

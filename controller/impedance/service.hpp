@@ -33,12 +33,11 @@ class Service {
   struct Pending {
     wire::ServiceRequest request;
     std::uint64_t cycle;  // the servo's newest when the request was taken
-    bool moved = false;   // since then
   };
   void take_requests();
   void take_faults();
   void answer_requests();
-  bool answered(Pending& pending);
+  bool answered(const Pending& pending);
   void update_counters();
 
   Servo& servo_;

@@ -108,6 +108,7 @@ void Servo::cycle(std::int64_t now_ns) noexcept {
   ++snapshot_.cycle;
   snapshot_.mode = output.mode;
   snapshot_.stop_reason = output.stop_reason;
+  snapshot_.ends_alone = output.ends_alone;
   snapshot_.plan = output.plan;
   snapshot_.robot_moves = input_.robot_moves;
   snapshot_.standing = input_.dq.cwiseAbs().maxCoeff() < kStanding;

@@ -16,6 +16,7 @@ struct Snapshot {
   std::uint64_t cycle = 0;  // since the start
   Mode mode = Mode::kWait;
   StopReason stop_reason = StopReason::kNone;
+  bool ends_alone = false;  // the stop, once good states come steadily
   PlanVerdict plan = PlanVerdict::kNone;
   bool robot_moves = false;
   bool standing = false;  // every joint

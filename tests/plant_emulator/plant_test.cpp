@@ -333,6 +333,54 @@ TEST_CASE("dropped commands stop the robot once they are too many") {
   CHECK(plant.state().errors == bit(Error::kCommunicationConstraintsViolation));
 }
 
+TEST_CASE("a robot that missed commands moves by itself once they are back, holes and all") {
+  for (const bool alone : {false, true}) {
+    CAPTURE(alone);
+    Parameters parameters = test_parameters();
+    parameters.recovers_alone = alone;
+    Plant plant(parameters);
+    Client client;
+    for (int i = 0; i < 100; ++i) client.step(plant);
+    run(plant, 500);
+    REQUIRE(plant.state().errors == bit(Error::kCommunicationConstraintsViolation));
+    CHECK(plant.waits_for_commands() == alone);
+    // every second one is too few
+    for (int i = 0; i < 1000; ++i) {
+      client.step(plant);
+      run(plant, 1);
+    }
+    CHECK(plant.state().mode == Mode::kReflex);
+    run(plant, kLostCommandsMax);
+    // one in fifteen is missing: a machine with other things to do
+    int cycles = 0;
+    for (; cycles < 500 && plant.state().mode == Mode::kReflex; ++cycles) {
+      if (cycles % 15 == 14) {
+        run(plant, 1);
+      } else {
+        client.step(plant);
+      }
+    }
+    CHECK((plant.state().mode != Mode::kReflex) == alone);
+    if (alone) CHECK(cycles == Approx(kCommandsToRecover * 15.0 / 14.0).margin(2));
+    CHECK_FALSE(plant.waits_for_commands());
+  }
+}
+
+TEST_CASE("a robot that stopped for more than missing commands waits for a person") {
+  Parameters parameters = test_parameters();
+  parameters.recovers_alone = true;
+  Plant plant(parameters);
+  Client client;
+  for (int i = 0; i < 100; ++i) client.step(plant);
+  plant.set_command(Vector7d::Constant(std::nan("")), client.seq_ + 1, 0);
+  ++client.seq_;
+  run(plant, 1);
+  REQUIRE(plant.state().mode == Mode::kReflex);
+  CHECK_FALSE(plant.waits_for_commands());
+  for (int i = 0; i < 1000; ++i) client.step(plant);
+  CHECK(plant.state().mode == Mode::kReflex);
+}
+
 TEST_CASE("the same commands give the same bits") {
   Plant a(test_parameters());
   Plant b(test_parameters());

@@ -195,6 +195,57 @@ TEST_CASE(
   CHECK(first.numbers == second.numbers);
 }
 
+TEST_CASE("in lockstep a recovery is answered when the robot moves for good, not at the next hole") {
+  Child child(kScenario, {"--clock", "lockstep", "--expect", "impedance"});
+  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
+  wire::Reader<wire::RobotState> states(bus);
+  wire::Writer<wire::RobotCommand> commands(bus);
+  wire::Reader<wire::ServiceReply> replies(bus);
+  wire::Writer<wire::ServiceRequest> requests(bus);
+  wire::Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, 1'000'000});
+  wire::RobotState state{};
+  std::vector<wire::ServiceReply> answers;
+  const auto cycle = [&](bool with_command) {
+    std::int64_t now_ns = 0;
+    if (!loop.wait(now_ns)) FAIL(loop.failure());
+    REQUIRE(states.take(state));
+    wire::RobotCommand command{};
+    command.origin.state_ns = now_ns;
+    command.tau_nm[0] = -2 * state.dq_rad_per_s[0];
+    if (with_command) REQUIRE(commands.write(command, now_ns));
+    wire::ServiceReply reply{};
+    while (replies.take(reply)) answers.push_back(reply);
+  };
+  const auto cycles = [&](int count, bool with_command) {
+    for (int i = 0; i < count; ++i) cycle(with_command);
+  };
+  cycles(100, true);
+  REQUIRE(state.mode == c3rt_v1_ROBOT_MOVE);
+  wire::ServiceRequest request{};
+  request.process = c3rt_v1_PROCESS_PLANT;
+  request.verb = c3rt_v1_REQUEST_STOP;
+  requests.write(request, 0);
+  for (int i = 0; i < 5000 && state.mode != c3rt_v1_ROBOT_USER_STOPPED; ++i) cycle(true);
+  REQUIRE(state.mode == c3rt_v1_ROBOT_USER_STOPPED);
+  request.verb = c3rt_v1_REQUEST_RECOVER;
+  request.request_id = 5;
+  requests.write(request, 0);
+  for (int i = 0; i < 5000 && state.mode != c3rt_v1_ROBOT_MOVE; ++i) cycle(true);
+  REQUIRE(state.mode == c3rt_v1_ROBOT_MOVE);
+  // before it is known to have worked, as many are missing as stop the robot
+  cycles(kLostCommandsMax + 5, false);
+  REQUIRE(state.mode == c3rt_v1_ROBOT_REFLEX);
+  cycles(150, true);
+  CHECK(answers.empty());
+  cycles(600, true);
+  REQUIRE(until([&] { return !answers.empty(); }, [&] { cycle(true); }));
+  CHECK(answers.front().request_id == 5);
+  CHECK(answers.front().ok);
+  CHECK(std::string(answers.front().text) == "follows commands");
+  child.signal(SIGTERM);
+  CHECK(child.wait() == 0);
+}
+
 TEST_CASE(
     "a scenario that is not there or a process that cannot be expected is refused with exit status "
     "2") {

@@ -269,6 +269,9 @@ TEST_CASE("service: every mode and verdict has its sentence") {
   snapshot.stop_reason = StopReason::kStateStale;
   CHECK(describe(snapshot) ==
         "stopped: the robot state is stale; damps until a recovery is requested");
+  snapshot.ends_alone = true;
+  CHECK(describe(snapshot) ==
+        "stopped: the robot state is stale; damps until it comes steadily again");
 }
 
 }  // namespace
