@@ -115,7 +115,7 @@ bool Plant::commands_are_back() noexcept {
   if (!waits_for_commands()) back_ = missing_ = 0;
   if (events_.command) {
     ++back_;
-  } else if (back_ > 0 && ++missing_ >= kLostCommandsMax) {
+  } else if (back_ > 0 && ++missing_ >= kLostCommandsMax + back_ / 2) {
     back_ = missing_ = 0;
   }
   return waits_for_commands() && back_ >= kCommandsToRecover;

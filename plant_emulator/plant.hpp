@@ -24,7 +24,7 @@ inline const Vector7d kTorqueMax = (Vector7d() << 87, 87, 87, 87, 12, 12, 12).fi
 constexpr double kTorqueRateMax = 1000.0;  // [N m/s]
 constexpr double kCycle = 1e-3;            // [s]
 constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
-constexpr int kCommandsToRecover = 200;    // with fewer missing than stop it, then it moves by itself
+constexpr int kCommandsToRecover = 200;    // two of three have come, then it moves again by itself
 constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 
 /// Whether whole steps of the integration fill a cycle.

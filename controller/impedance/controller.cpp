@@ -127,10 +127,8 @@ Output Controller::step(const Input& input) noexcept {
   if (input.has_state && input.session_id != session_id_) meet_new_robot(input.session_id);
   change_mode(input);
 
-  // an old state says nothing about the arm of now; until its patience ends the last torque stays
-  const bool waits_for_state = stale_cycles_ > 0 && stale_cycles_ <= kPatience;
-  if (mode_ != Mode::kWait && !waits_for_state) {
-    const bool state_usable = fault_ != StateFault::kNotFinite && stale_cycles_ == 0;
+  if (mode_ != Mode::kWait) {
+    const bool state_usable = fault_ != StateFault::kNotFinite && !old_state_;
     Vector7d wanted = Vector7d::Zero();
     if (state_usable) {
       arm_.update(input.q, input.dq, state_);
@@ -151,6 +149,7 @@ Output Controller::step(const Input& input) noexcept {
 
   Output output;
   output.mode = mode_;
+  output.commands = mode_ != Mode::kWait && !(mode_ == Mode::kStop && old_state_);
   output.tau = tau_;
   output.p_WE_desired = reference_.p_WE;
   output.v_WE_desired = reference_.v_WE;
@@ -183,9 +182,10 @@ void Controller::change_mode(const Input& input) noexcept {
   }
   fault_ = judge_state(input, parameters_.limits);
   stale_cycles_ = fault_ == StateFault::kStale ? stale_cycles_ + 1 : 0;
+  const double longest = kPatience * parameters_.period;
+  old_state_ = seconds_between(input.state_stamp_ns, input.now_ns) > longest;
   const double pause = seconds_between(previous_now_ns_, input.now_ns);
-  away_ = away_ || stale_cycles_ > 0 ||
-          (previous_now_ns_ != 0 && pause > kPatience * parameters_.period);
+  away_ = away_ || old_state_ || (previous_now_ns_ != 0 && pause > longest);
   previous_now_ns_ = input.now_ns;
   if (fault_ == StateFault::kStale && stale_cycles_ <= kPatience) fault_ = StateFault::kNone;
 
@@ -204,13 +204,14 @@ void Controller::change_mode(const Input& input) noexcept {
     stop_reason_ = reason_of(fault_);
   }
   if (mode_ != Mode::kStop) stop_reason_ = StopReason::kNone;
+  if (mode_ != before || away_) catches_up_ = true;
   if (before == Mode::kTrack && mode_ == Mode::kHold && plan_verdict_ == PlanVerdict::kStale) {
     ++counters_.stale_plan_events;
   }
 
   const bool moving = mode_ == Mode::kHold || mode_ == Mode::kTrack;
   steady_cycles_ = moving && input.robot_moves ? steady_cycles_ + 1 : 0;
-  if (!moving || stale_cycles_ > 0) return;
+  if (!moving || old_state_) return;
   // a robot that was not under our control is wherever it is: start from there
   const bool anew = before == Mode::kWait || before == Mode::kStop || away_ || !input.robot_moves ||
                     (before == Mode::kHold && mode_ == Mode::kTrack);
@@ -329,10 +330,16 @@ Vector7d Controller::limited(const Vector7d& wanted) noexcept {
   const Limits& limits = parameters_.limits;
   const Vector7d clamped = wanted.cwiseMin(limits.tau_max).cwiseMax(-limits.tau_max);
   if (clamped != wanted) ++counters_.torque_clamps;
-  const Vector7d step = Vector7d::Constant(limits.tau_rate_max * parameters_.period);
-  const Vector7d slewed = clamped.cwiseMin(tau_ + step).cwiseMax(tau_ - step);
-  if (slewed != clamped) ++counters_.torque_rate_clamps;
-  return slewed;
+  const double step = limits.tau_rate_max * parameters_.period;
+  const Vector7d change = clamped - tau_;
+  const double largest = change.cwiseAbs().maxCoeff();
+  if (largest <= step) {
+    catches_up_ = false;
+    return clamped;
+  }
+  ++counters_.torque_rate_clamps;
+  if (catches_up_) return tau_ + change * (step / largest);
+  return clamped.cwiseMin((tau_.array() + step).matrix()).cwiseMax((tau_.array() - step).matrix());
 }
 
 }  // namespace c3rt::impedance

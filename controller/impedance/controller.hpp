@@ -52,9 +52,11 @@ struct Input {
   bool recover = false;
 };
 
-/// Cycles in a row for which the robot state may be too old. After a pause of the whole machine the
-/// first state at hand is old and the next ones are not; the robot itself forgives as many lost
-/// commands.
+/// Cycles for which the law acts on the last robot state; the robot itself forgives as many lost
+/// commands. After them the torque fades out and the arm coasts: a law that acts on a state that
+/// does not change drives the arm away. For as many in a row the state may be too old before that is
+/// a fault: after a pause of the whole machine the first one at hand is old, the next ones are not.
+/// Then nothing is sent until states come again, so that the robot stops the arm by itself.
 constexpr int kPatience = 20;
 
 /// Good robot states in a row after which a controller that recovers alone goes on.
@@ -93,7 +95,8 @@ struct Counters {
 };
 
 struct Output {
-  Mode mode;                     // kWait: nothing may be sent
+  Mode mode;
+  bool commands;                 // the torque is to be sent; else the robot brakes by itself
   Vector7d tau;                  // without gravity [N m]
   Eigen::Vector3d p_WE_desired;  // what the law tracked [m]
   Eigen::Vector3d v_WE_desired;  // [m/s]
@@ -115,8 +118,9 @@ struct Output {
 /// more than it can give; near the joints' velocity limits for less and less.
 ///
 /// The torque changes at most by tau_rate_max * period per cycle. Where what the plan asks changes
-/// faster, all joints change in proportion: else the joints that need little torque would have theirs
-/// before those that need much, which turns the elbow and the wrist.
+/// faster, and for all of it after a gap or a change of mode, all joints change in proportion: else
+/// the joints that need little torque would have theirs before those that need much, which turns the
+/// elbow and the wrist.
 ///
 /// A robot of a new session is a new robot: all memory of the old one, a latched stop included, is
 /// dropped.
@@ -151,6 +155,7 @@ class Controller {
   StateFault fault_ = StateFault::kNone;
   int stale_cycles_ = 0, good_cycles_ = 0, steady_cycles_ = 0;  // in a row
   std::int64_t previous_now_ns_ = 0;
+  bool old_state_ = false;  // older than the law may act on
   bool away_ = false;  // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
@@ -158,6 +163,7 @@ class Controller {
   Goal reference_;
   Vector7d tau_of_goal_ = Vector7d::Zero();
   Vector7d tau_ = Vector7d::Zero();
+  bool catches_up_ = false;  // after a gap or a change of mode: the torque is not yet the law's
   Counters counters_;
 };
 

@@ -102,7 +102,7 @@ void Servo::cycle(std::int64_t now_ns) noexcept {
   input_.stop = stop_.exchange(false);
   input_.recover = recover_.exchange(false);
   const Output output = controller_.step(input_);
-  if (output.mode != Mode::kWait) send(output, now_ns);
+  if (output.commands) send(output, now_ns);
   compute_.add(static_cast<double>(rt::now_ns() - begin_ns) * kSecondsPerNs);
 
   ++snapshot_.cycle;

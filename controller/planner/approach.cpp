@@ -57,9 +57,11 @@ void Approach::advance(const ApproachInput& input, const Eigen::Vector3d& goal) 
     velocity_.setZero();
     return;
   }
-  if ((reference_ - input.p_WE).norm() > parameters_.leash) {
+  const Eigen::Vector3d lead = reference_ - input.p_WE;
+  if (lead.norm() > parameters_.leash) {
+    // an arm that is kept back, by its workspace say, never comes nearer: else both would wait for ever
+    reference_ = input.p_WE + lead * (parameters_.leash / lead.norm());
     velocity_.setZero();
-    return;
   }
   const Eigen::Vector3d way = goal - reference_;
   const double to_go = way.norm();

@@ -56,9 +56,10 @@ void Rest::begin(const RestInput& input) noexcept {
 }
 
 void Rest::advance(const RestInput& input, const Eigen::Vector3d& velocity) noexcept {
-  if ((reference_ - input.p_WE).norm() > leash_) {
+  const Eigen::Vector3d lead = reference_ - input.p_WE;
+  if (lead.norm() > leash_) {
+    reference_ = input.p_WE + lead * (leash_ / lead.norm());
     velocity_.setZero();
-    return;
   }
   const Eigen::Vector3d change = velocity - velocity_;
   const double most = kRate * input.period;

@@ -19,7 +19,8 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
       sensor_(scenario.vision.emulated, seed),
       pushes_(plant::drawn_pushes(scenario.plant.pushes,
                                   static_cast<int>(scenario.plant.world.balls.size()), seed)),
-      arm_(impedance::urdf_of(scenario.impedance)) {
+      arm_(impedance::urdf_of(scenario.impedance)),
+      heard_(plant_.state()) {
   restart_vision();
   restart_planner();
   restart_impedance();
@@ -57,7 +58,10 @@ void ClosedLoop::step_1ms() {
     return now_ns_ >= nanoseconds(static_cast<double>(count) / rate);
   };
 
-  if (running.plant) state_ns_ = now_ns_;
+  if (running.plant && !lost_state) {
+    state_ns_ = now_ns_;
+    heard_ = state;
+  }
   if (due(exposures_, scenario_.vision.rate) && ++exposures_ && running.vision && running.plant) {
     Estimates estimates;
     for (std::size_t i = 0; i < estimators_.size(); ++i) {
@@ -96,7 +100,7 @@ void ClosedLoop::step_1ms() {
 }
 
 void ClosedLoop::control() {
-  const plant::State& state = plant_.state();
+  const plant::State& state = heard_;
   impedance::Input input;
   input.now_ns = now_ns_;
   input.has_state = true;
@@ -111,11 +115,11 @@ void ClosedLoop::control() {
   input.stop = std::exchange(stop_, false);
   input.recover = std::exchange(recover_, false);
   output_ = impedance_->step(input);
-  if (output_.mode != impedance::Mode::kWait) plant_.set_command(output_.tau, ++cycle_, now_ns_);
+  if (output_.commands) plant_.set_command(output_.tau, ++cycle_, now_ns_);
 }
 
 void ClosedLoop::plan_now() {
-  const plant::State& state = plant_.state();
+  const plant::State& state = heard_;
   arm_.update(state.q, state.dq, arm_state_);
   planner::Input input{};
   input.now = time();

@@ -183,6 +183,48 @@ TEST_CASE("recovery: a plant that stalls, and robot states that are not finite")
   }
 }
 
+TEST_CASE("recovery: robot states that do not arrive for a while, too short and long enough to stop") {
+  for (const char* name : {"circle_slow", "circle_fast"}) {
+    CAPTURE(name);
+    test::ClosedLoop loop(scenario(name), 5);
+    REQUIRE(runs_on(loop, 0.5));
+    for (int i = 0; i < kTimes; ++i) {
+      CAPTURE(i);
+      const double away = 0.01 * (1 << i % 8);  // 0.01 to 1.28 s
+      const Eigen::Vector3d here = loop.plant().state().p_WE;
+      loop.lost_state = true;
+      // the arm coasts at 0.25 m/s at most, until the robot brakes as it gets no more commands
+      run(loop, away);
+      CHECK((loop.plant().state().p_WE - here).norm() < 0.25 * 0.14 + 0.015);
+      CHECK((loop.output().mode == impedance::Mode::kStop) == (away > 0.12));
+      CHECK(stopped(loop) == (away > 0.14));
+      loop.lost_state = false;
+      run(loop, away > 0.14 ? 0.45 : 0.0);
+      REQUIRE(runs_on(loop, 0.5 + 0.09 * i));
+    }
+    CHECK(goes_on(loop, 5.0));
+    check_within_limits(loop);
+  }
+}
+
+TEST_CASE("recovery: robot states that do not arrive for 0.1 s, whatever the arm does meanwhile") {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    CAPTURE(seed);
+    test::ClosedLoop loop(scenario("circle_service"), seed);
+    support::Random random(seed);
+    REQUIRE(runs_on(loop, 6.0));
+    for (int i = 0; i < 60; ++i) {
+      CAPTURE(i);
+      loop.lost_state = true;
+      REQUIRE(runs_on(loop, 0.1));
+      loop.lost_state = false;
+      REQUIRE(runs_on(loop, 0.3 + random.uniform(0.0, 0.3)));
+    }
+    // 0.87 where the small joints had their torque before the large ones
+    CHECK(loop.fastest_joint() < 0.8);
+  }
+}
+
 TEST_CASE("recovery: every process may start late, in any order") {
   for (int i = 0; i < kTimes; ++i) {
     CAPTURE(i);

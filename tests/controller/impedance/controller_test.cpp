@@ -452,17 +452,19 @@ TEST_CASE("controller: without a usable state the torque fades to zero") {
   for (int k = 1; k <= 100; ++k)
     output = controller.step(with_plan(k * kMs, kStart + Vector3d(0.05, 0, 0.1)));
   REQUIRE(output.tau.norm() > 5);
-  Input stale = with_plan(300 * kMs);
-  stale.state_stamp_ns = 100 * kMs;
-  for (int k = 0; k < kPatience; ++k) output = controller.step(stale);
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 1; k <= 200; ++k) {
     const double before = output.tau.norm();
-    stale.now_ns += kMs;
-    output = controller.step(stale);
-    REQUIRE(output.mode == Mode::kStop);
-    CHECK(output.tau.norm() <= before);
+    Input old = with_plan((100 + k) * kMs);
+    old.state_stamp_ns = 100 * kMs;
+    output = controller.step(old);
+    // at first it acts on the last state; long before it stops, no more
+    if (k > kPatience) CHECK(output.tau.norm() <= before);
+    if (k == 3 * kPatience) CHECK(output.tau == Vector7d::Zero());
+    CHECK((output.mode == Mode::kStop) == (k > 100 + kPatience));
+    // and then the robot stops the arm by itself
+    CHECK(output.commands == (output.mode != Mode::kStop));
   }
-  CHECK(output.tau == Vector7d::Zero());
+  CHECK(controller.step(with_plan(301 * kMs)).commands);
 }
 
 TEST_CASE(

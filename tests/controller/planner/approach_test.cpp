@@ -96,11 +96,26 @@ TEST_CASE("approach: it waits for an arm that does not follow, and goes on when 
   double now = 0.0;
   for (int i = 0; i < 500; ++i) approach.to_ball({now += kPeriod, kPeriod, kBegin}, kBall);
   const Vector3d waiting = approach.reference();
-  CHECK((waiting - kBegin).norm() >= p.leash);
-  CHECK((waiting - kBegin).norm() <= p.leash + p.speed * kPeriod);
-  CHECK(approach.velocity().isZero());
-  approach.to_ball({now += kPeriod, kPeriod, waiting}, kBall);
+  CHECK((waiting - kBegin).norm() == Approx(p.leash).margin(p.speed * kPeriod));
+  CHECK(approach.velocity().norm() <= 2.0 * kPeriod);  // of one period
+  for (int i = 0; i < 2; ++i) approach.to_ball({now += kPeriod, kPeriod, waiting}, kBall);
   CHECK(approach.reference().z() > waiting.z());
+}
+
+TEST_CASE("approach: it comes to an arm that is kept back, and takes it to the ball") {
+  // the arm stands at the border of its workspace, the reference is beyond: both would wait for ever
+  Approach approach(parameters(), kTable);
+  const double border = 0.65;
+  approach.begin({0.70, 0.1, 0.12});
+  Vector3d p_WE(border, 0.1, 0.12);
+  double now = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    approach.to_ball({now += kPeriod, kPeriod, p_WE}, kBall);
+    p_WE = approach.reference();
+    p_WE.x() = std::min(p_WE.x(), border);
+  }
+  CHECK((p_WE - kBall - Vector3d(0.0, 0.0, parameters().start_height)).norm() < parameters().tolerance);
+  CHECK(approach.settled(now));
 }
 
 TEST_CASE("approach: while the robot does not follow it rests where the arm is, wherever that is moved") {
