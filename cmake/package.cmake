@@ -61,6 +61,12 @@ function(c3rt_export room)
   target_compile_features(c3rt_package_${room} INTERFACE cxx_std_17)
   install(TARGETS c3rt_package_${room} EXPORT c3rtTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+  c3rt_export_headers(${room} HEADERS ${arg_HEADERS})
+endfunction()
+
+# the public headers of a room, all that there is of one that has only headers
+function(c3rt_export_headers room)
+  cmake_parse_arguments(arg "" "" "HEADERS" ${ARGN})
   install(CODE "
     set(from \"${PROJECT_SOURCE_DIR}\")
     set(to \"${CMAKE_INSTALL_INCLUDEDIR}\")
@@ -73,8 +79,9 @@ c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp 
 c3rt_export(c3 HEADERS deadline.hpp node_qp.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
 c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
-c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_system.hpp finger_gaiting.hpp
-  linearise.hpp pivoting.hpp DEPS lcs)
+c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_model.hpp contact_system.hpp
+  finger_gaiting.hpp linearise.hpp pivoting.hpp planning_model.hpp registry.hpp DEPS lcs)
+c3rt_export_headers(scene HEADERS scene.hpp)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/c3rt)

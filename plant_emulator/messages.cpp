@@ -52,11 +52,11 @@ wire::Scene scene(const State& state, bool exposure) noexcept {
   copy(state.p_WE, sample.p_WE_m);
   sample.ball_count = state.ball_count;
   for (int i = 0; i < state.ball_count; ++i) {
-    const BallState& ball = state.balls[static_cast<std::size_t>(i)];
+    const scene::Body& ball = state.balls[static_cast<std::size_t>(i)];
     copy(ball.p_WB, sample.p_WB_m[i]);
     copy(ball.q_WB, sample.q_WB[i]);
     copy(ball.v_WB, sample.v_WB_m_per_s[i]);
-    copy(ball.omega, sample.omega_rad_per_s[i]);
+    copy(ball.omega_WB, sample.omega_rad_per_s[i]);
   }
   return sample;
 }

@@ -82,7 +82,7 @@ Eigen::Map<Eigen::Matrix<double, 6, 1>> Plant::hand_damping(int ball) noexcept {
 
 void Plant::let_go() noexcept {
   for (std::size_t i = 0; i < hands_.size();) {
-    const BallState& ball = state_.balls[static_cast<std::size_t>(hands_[i].ball)];
+    const scene::Body& ball = state_.balls[static_cast<std::size_t>(hands_[i].ball)];
     if ((state_.p_WE - ball.p_WB).norm() > hands_[i].reach) {
       ++i;
       continue;
@@ -224,13 +224,13 @@ void Plant::read() noexcept {
   s.command_success_rate =
       window_ > 0 ? static_cast<double>(received_.count()) / static_cast<double>(window_) : 0.0;
   for (int i = 0; i < s.ball_count; ++i) {
-    BallState& ball = s.balls[static_cast<std::size_t>(i)];
+    scene::Body& ball = s.balls[static_cast<std::size_t>(i)];
     const double* q = data_->qpos + kJoints + 7 * i;
     const double* v = data_->qvel + kJoints + 6 * i;
     ball.p_WB = Eigen::Vector3d(q[0], q[1], q[2]);
     ball.q_WB = Eigen::Quaterniond(q[3], q[4], q[5], q[6]);
     ball.v_WB = Eigen::Vector3d(v[0], v[1], v[2]);
-    ball.omega =
+    ball.omega_WB =
         ball.q_WB * Eigen::Vector3d(v[3], v[4], v[5]);  // MuJoCo stores it in the ball's axes
   }
   // MuJoCo answers numbers that are not finite by resetting the world; the next cycle makes that an

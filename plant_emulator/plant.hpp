@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "controller/scene/scene.hpp"
 #include "plant_emulator/mode.hpp"
 #include "plant_emulator/parameters.hpp"
 
@@ -30,13 +31,6 @@ constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
 /// Whether whole steps of the integration fill a cycle.
 bool divides_cycle(double step) noexcept;
 
-struct BallState {
-  Eigen::Vector3d p_WB;  // [m]
-  Eigen::Quaterniond q_WB;
-  Eigen::Vector3d v_WB;   // [m/s]
-  Eigen::Vector3d omega;  // in W [rad/s]
-};
-
 struct State {
   double time;           // simulated [s]
   Vector7d q;            // [rad]
@@ -53,7 +47,7 @@ struct State {
   std::uint64_t saturated_cycles;  // cycles in which torque or torque rate was cut
   std::uint64_t lost_commands;     // cycles in Mode::kMove without a new command
   int ball_count;
-  std::array<BallState, kMaxBalls> balls;
+  std::array<scene::Body, scene::kMaxBodies> balls;
 };
 
 class Plant {

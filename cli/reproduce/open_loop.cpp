@@ -15,7 +15,6 @@
 namespace c3rt::cli::reproduce {
 namespace {
 
-using planner::Scene;
 
 constexpr double kNs = 1e-9;
 
@@ -28,14 +27,15 @@ struct Posed {
 };
 
 Posed pose(const Question& question, const planner::Parameters& parameters) {
-  const std::unique_ptr<planner::PlanningModel> model = planner::make_model(parameters);
+  const std::unique_ptr<model::PlanningModel> model = planner::make_model(parameters.model);
+  planner::PlanningProblem problem = planner::planning_problem(*model, parameters.model);
+  problem.contact_model = model::ContactModel::kStewartTrinkle;
   Posed posed;
-  const model::ContactSystem system =
-      model->contact_system(question.scene, planner::Contacts::kPlanned);
-  posed.lcs = model::stewart_trinkle(system, parameters.dt);
+  posed.lcs = model::to_lcs(problem.contact_model,
+                            model->contact_system(question.scene, problem.contacts), parameters.dt);
   lcs::scale_forces(posed.lcs, lcs::force_scale(posed.lcs));
   posed.costs =
-      planner::costs_of(*model, question.rolling ? parameters.roll : parameters.back, true);
+      planner::costs_of(problem, question.rolling ? parameters.roll : parameters.back);
   const c3::Sizes sizes{static_cast<int>(posed.lcs.A.rows()), static_cast<int>(posed.lcs.F.rows()),
                         static_cast<int>(posed.lcs.B.cols()), parameters.N};
   posed.problem.sizes = sizes;
@@ -93,21 +93,22 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
   const std::vector<double> instants = c3_instants(run);
 
   const planner::Parameters& parameters = scenario.planner;
-  const double ball_height = parameters.model.table_height + parameters.model.ball_radius;
+  const double ball_height = parameters.geometry.table_height + parameters.geometry.ball_radius;
   std::vector<Question> all;
   for (int i = 0; i < count; ++i) {
     const double now =
         instants[instants.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(count)];
     Question question{(now - instants.front()) * kNs, {}, false, {}};
     const std::vector<double>&state = before(states, now), &earlier = before(states, now - 2e6);
-    Scene& scene = question.scene;
-    scene.p_WE = vector(state, 1);
+    scene::Scene& scene = question.scene;
+    scene::Effector& effector = scene.effector;
+    effector.p_WE = vector(state, 1);
     const double passed = (state[0] - earlier[0]) * kNs;
-    scene.v_WE = passed > 0.0 ? Eigen::Vector3d((scene.p_WE - vector(earlier, 1)) / passed)
-                              : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    scene.ball_count = 1;
+    effector.v_WE = passed > 0.0 ? Eigen::Vector3d((effector.p_WE - vector(earlier, 1)) / passed)
+                                 : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    scene.body_count = 1;
     const std::vector<double>& seen = before(balls, now);
-    planner::Ball& ball = scene.balls[0];
+    scene::Body& ball = scene.body(0);
     ball.v_WB = vector(seen, 4);
     ball.p_WB = vector(seen, 1) + (now - seen[0]) * kNs * ball.v_WB;
     ball.omega_WB = vector(seen, 7);
@@ -118,15 +119,13 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     const auto target = [&](double ahead) {
       return planner::target(parameters.task, question.time, ahead, ball.p_WB.head<2>());
     };
-    Scene desired{};
-    desired.ball_count = 1;
-    desired.v_WE.setZero();
-    desired.p_WE = planner::end_effector_target(parameters.heuristic, parameters.model, phase,
-                                                scene.p_WE, ball.p_WB, target(0.0));
-    desired.balls[0] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                        Eigen::Quaterniond::Identity()};
+    scene::Scene desired;
+    desired.body_count = 1;
+    desired.effector.p_WE =
+        planner::end_effector_target(parameters.heuristic, parameters.geometry, phase,
+                                     effector.p_WE, ball.p_WB, target(0.0));
     for (int k = 0; k <= parameters.N; ++k) {
-      desired.balls[0].p_WB << target(k * parameters.dt), ball_height;
+      desired.body(0).p_WB << target(k * parameters.dt), ball_height;
       question.desired.push_back(desired);
     }
     all.push_back(std::move(question));

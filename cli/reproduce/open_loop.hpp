@@ -5,16 +5,16 @@
 
 #include "cli/reproduce/context.hpp"
 #include "config/scenario.hpp"
-#include "controller/planner/scene.hpp"
+#include "controller/scene/scene.hpp"
 
 namespace c3rt::cli::reproduce {
 
 /// What the planner was asked at one instant of a run: x̂ and what was wanted, from ground truth.
 struct Question {
   double time;  // since C3 took over [s]
-  planner::Scene scene;
+  scene::Scene scene;
   bool rolling;                         // Phase I of the heuristic
-  std::vector<planner::Scene> desired;  // of the stages 0 … N
+  std::vector<scene::Scene> desired;  // of the stages 0 … N
 };
 
 /// Instants of a run, as many as wanted and evenly spread over it.

@@ -41,12 +41,16 @@ void check(const Lcs& lcs) {
   require("c", lcs.c, n_lambda, 1);
 }
 
+std::optional<double> find_force_scale(const Lcs& lcs) noexcept {
+  const double scale = lcs.A.squaredNorm() / lcs.D.squaredNorm();
+  if (!(std::isfinite(scale) && scale > 0.0)) return std::nullopt;
+  return scale;
+}
+
 double force_scale(const Lcs& lcs) {
-  const double D_squared = lcs.D.squaredNorm();
-  if (!(D_squared > 0.0)) {
-    throw std::invalid_argument("Lcs.D: expected a matrix that is not zero");
-  }
-  return lcs.A.squaredNorm() / D_squared;
+  const std::optional<double> scale = find_force_scale(lcs);
+  if (!scale) throw std::invalid_argument("Lcs.A, Lcs.D: expected finite matrices that are not zero");
+  return *scale;
 }
 
 void scale_forces(Lcs& lcs, double s) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 namespace c3rt::lcs {
@@ -34,8 +36,10 @@ Sizes sizes(const Lcs& lcs);
 void check(const Lcs& lcs);
 
 /// Ratio that makes the columns of D comparable to those of A: ‖A‖²_F / ‖D‖²_F.
-/// @throws std::invalid_argument if D is zero
+/// @throws std::invalid_argument if A or D is zero or not finite
 double force_scale(const Lcs& lcs);
+/// The same; none if A or D is zero or not finite. RT.
+std::optional<double> find_force_scale(const Lcs& lcs) noexcept;
 
 /// Expresses λ in units of `s`: afterwards the λ of the system is the true one divided by s, and x⁺
 /// is what it was. D ← s D; E, H, c ← E/s, H/s, c/s; F stays.

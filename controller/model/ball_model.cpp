@@ -12,8 +12,8 @@ using L = BallLayout;
 constexpr int kVelocityEndEffector = 0, kVelocityOmega = 3, kVelocityBall = 6, kVelocities = 9,
               kPositions = 10;
 
-Eigen::Vector3d end_effector_normal(const BallState& state) {
-  return (state.p_WE - state.p_WB).normalized();
+Eigen::Vector3d from_ball(const scene::Scene& scene) {
+  return scene.effector.p_WE - scene.body(0).p_WB;
 }
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
@@ -30,10 +30,10 @@ struct Contact {
 };
 
 // the end effector against the ball's surface point r n away from the ball's centre
-Contact end_effector_contact(const BallModelParameters& parameters, const BallState& state) {
-  const Eigen::Vector3d n = end_effector_normal(state);
+Contact end_effector_contact(const BallModelParameters& parameters, const scene::Scene& scene) {
+  const Eigen::Vector3d n = from_ball(scene).normalized();
   Contact contact{
-      (state.p_WE - state.p_WB).norm() - parameters.end_effector_radius - parameters.ball_radius, n,
+      from_ball(scene).norm() - parameters.end_effector_radius - parameters.ball_radius, n,
       Eigen::Matrix<double, 3, kVelocities>::Zero()};
   auto& relative = contact.relative_velocity;
   relative.middleCols<3>(kVelocityEndEffector).setIdentity();
@@ -43,9 +43,9 @@ Contact end_effector_contact(const BallModelParameters& parameters, const BallSt
 }
 
 // the ball's lowest point against the table
-Contact table_contact(const BallModelParameters& parameters, const BallState& state) {
+Contact table_contact(const BallModelParameters& parameters, const scene::Scene& scene) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  Contact contact{state.p_WB.z() - parameters.ball_radius - parameters.table_height, up,
+  Contact contact{scene.body(0).p_WB.z() - parameters.ball_radius - parameters.table_height, up,
                   Eigen::Matrix<double, 3, kVelocities>::Zero()};
   auto& relative = contact.relative_velocity;
   relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * up);  // ω × (−r ẑ)
@@ -66,10 +66,11 @@ void fill_edges(Eigen::Ref<Eigen::MatrixXd> rows, const Contact& contact) {
 
 }  // namespace
 
-BallStateVector to_vector(const BallState& state) {
+BallStateVector ball_state(const scene::Scene& scene) {
+  const scene::Body& ball = scene.body(0);
   BallStateVector x;
-  x << state.p_WE, state.q_WB.w(), state.q_WB.x(), state.q_WB.y(), state.q_WB.z(), state.p_WB,
-      state.v_WE, state.omega_WB, state.v_WB;
+  x << scene.effector.p_WE, ball.q_WB.w(), ball.q_WB.x(), ball.q_WB.y(), ball.q_WB.z(), ball.p_WB,
+      scene.effector.v_WE, ball.omega_WB, ball.v_WB;
   return x;
 }
 
@@ -82,13 +83,13 @@ void tangents(const Eigen::Vector3d& normal, Eigen::Vector3d& t, Eigen::Vector3d
   s = normal.cross(t);
 }
 
-ContactSystem ball_contact_system(const BallModelParameters& parameters, const BallState& state,
+ContactSystem ball_contact_system(const BallModelParameters& parameters, const scene::Scene& scene,
                                   const std::vector<BallContact>& contacts) {
   ContactSystem system;
-  system.q = to_vector(state).head<kPositions>();
+  system.q = ball_state(scene).head<kPositions>();
 
   // q̇ = ½ [0; ω] ⊗ q_WB = ½ G ω, and Gᵀ G = I for a unit quaternion
-  const auto& q = state.q_WB;
+  const auto& q = scene.body(0).q_WB;
   Eigen::Matrix<double, 4, 3> G;
   G << -q.x(), -q.y(), -q.z(), q.w(), q.z(), -q.y(), -q.z(), q.w(), q.x(), q.y(), -q.x(), q.w();
   system.N_q = Eigen::MatrixXd::Zero(kPositions, kVelocities);
@@ -116,7 +117,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   system.d_v = Eigen::VectorXd::Zero(kVelocities);
   system.d_v[kVelocityEndEffector + 2] = -kGravity;
   system.d_v[kVelocityBall + 2] = -kGravity;
-  system.d_v.segment<2>(kVelocityBall) = kRollingInertia * state.a_WB;
+  system.d_v.segment<2>(kVelocityBall) = kRollingInertia * scene.body(0).a_WB;
 
   const auto n_c = static_cast<Eigen::Index>(contacts.size());
   system.phi.resize(n_c);
@@ -126,7 +127,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   for (Eigen::Index i = 0; i < n_c; ++i) {
     const bool table = contacts[static_cast<std::size_t>(i)] == BallContact::kTable;
     const Contact contact =
-        table ? table_contact(parameters, state) : end_effector_contact(parameters, state);
+        table ? table_contact(parameters, scene) : end_effector_contact(parameters, scene);
     system.phi[i] = contact.gap;
     system.mu[i] = table ? parameters.friction_table : parameters.friction_end_effector;
     system.J_n.row(i) = contact.normal.transpose() * contact.relative_velocity;
@@ -135,30 +136,81 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const B
   return system;
 }
 
-Eigen::Vector3d contact_force(const Eigen::Vector3d& normal, double lambda_n,
-                              const Eigen::Matrix<double, 4, 1, Eigen::DontAlign>& edges) {
-  Eigen::Vector3d t, s;
-  tangents(normal, t, s);
-  return normal * lambda_n + t * (edges[0] - edges[1]) + s * (edges[2] - edges[3]);
-}
-
-Eigen::Vector3d force_on_end_effector(const BallState& state,
-                                      const Eigen::Ref<const Eigen::VectorXd>& lambda) {
-  return contact_force(end_effector_normal(state), lambda[L::normal_end_effector],
-                       lambda.segment<L::n_e>(L::tangent_end_effector));
-}
-
-void separate(const BallModelParameters& parameters, const Eigen::Vector3d& away,
-              BallState& state) {
-  const double touching = parameters.end_effector_radius + parameters.ball_radius;
-  const Eigen::Vector3d from_end_effector = state.p_WB - state.p_WE;
+void separate(double touching, const Eigen::Vector3d& away, const scene::Effector& effector,
+              scene::Body& ball) {
+  const Eigen::Vector3d from_end_effector = ball.p_WB - effector.p_WE;
   if (from_end_effector.norm() >= touching) return;
   Eigen::Vector3d direction(from_end_effector.x(), from_end_effector.y(), 0.0);
   if (direction.norm() < 1e-9) direction = Eigen::Vector3d(away.x(), away.y(), 0.0);
   if (direction.norm() < 1e-9) direction = Eigen::Vector3d::UnitX();
   const double height = from_end_effector.z();
   const double horizontal = std::sqrt(touching * touching - height * height);
-  state.p_WB.head<2>() = state.p_WE.head<2>() + horizontal * direction.normalized().head<2>();
+  ball.p_WB.head<2>() = effector.p_WE.head<2>() + horizontal * direction.normalized().head<2>();
+}
+
+namespace {
+
+Layout rolling_ball_layout() {
+  Layout layout;
+  layout.n_x = L::n_x;
+  layout.n_v = kVelocities;
+  layout.n_u = L::n_u;
+  layout.n_e = L::n_e;
+  layout.x = {{"end_effector", L::p_WE, 3, ContactPair::kEndEffector},
+              {"", L::q_WB, 4, 0},
+              {"ball_xy", L::p_WB, 2, 0},
+              {"ball_z", L::p_WB + 2, 1, 0},
+              {"end_effector_velocity", L::v_WE, 3, ContactPair::kEndEffector},
+              {"ball_velocity", L::omega_WB, 3, 0},
+              {"ball_velocity", L::v_WB, 3, 0}};
+  layout.p_WE = L::p_WE;
+  layout.v_WE = L::v_WE;
+  layout.effector_v = kVelocityEndEffector;
+  layout.contacts = {{"end_effector_ball", "end_effector", {ContactPair::kEndEffector, 0}},
+                     {"ball_table", "table", {0, ContactPair::kTable}}};
+  return layout;
+}
+
+class RollingBall final : public PlanningModel {
+ public:
+  explicit RollingBall(const BallModelParameters& parameters)
+      : PlanningModel(rolling_ball_layout()), parameters_(parameters) {}
+
+  void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
+    x = ball_state(scene);
+  }
+  ContactSystem contact_system(const scene::Scene& scene,
+                               const std::vector<int>& contacts) const override {
+    std::vector<BallContact> chosen;
+    for (const int i : contacts)
+      chosen.push_back(i == 0 ? BallContact::kEndEffector : BallContact::kTable);
+    return ball_contact_system(parameters_, scene, chosen);
+  }
+
+ private:
+  BallModelParameters parameters_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlanningModel> make_rolling_ball(const BallModelParameters& parameters) {
+  return std::make_unique<RollingBall>(parameters);
+}
+
+ModelKind rolling_ball_kind() {
+  return {"rolling_ball", 1, 1,
+          {{"end_effector_mass_kg", 1e-4, 100},
+           {"end_effector_radius_m", 1e-3, 1},
+           {"ball_mass_kg", 1e-3, 100},
+           {"ball_radius_m", 1e-3, 1},
+           {"table_height_m", -2, 2},
+           {"friction_end_effector", 0, 10},
+           {"friction_table", 0, 10}},
+          [](const ModelValues& of, int) {
+            return make_rolling_ball({of["end_effector_mass_kg"], of["end_effector_radius_m"],
+                                      of["ball_mass_kg"], of["ball_radius_m"], of["table_height_m"],
+                                      of["friction_end_effector"], of["friction_table"]});
+          }};
 }
 
 }  // namespace c3rt::model

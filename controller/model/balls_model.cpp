@@ -121,4 +121,85 @@ ContactSystem balls_contact_system(const BallsModelParameters& parameters,
   return system;
 }
 
+namespace {
+
+Layout rolling_balls_layout(int balls) {
+  const BallsLayout order{balls};
+  Layout layout;
+  layout.n_x = order.n_x();
+  layout.n_v = order.n_v();
+  layout.n_u = BallsLayout::n_u;
+  layout.n_e = kEdges;
+  layout.p_WE = BallsLayout::p_WE;
+  layout.v_WE = order.v_WE();
+  layout.effector_v = 0;
+  layout.x.push_back({"end_effector", BallsLayout::p_WE, 3, ContactPair::kEndEffector});
+  for (int i = 0; i < balls; ++i) layout.x.push_back({"ball_xy", order.p_WB(i), 2, i});
+  layout.x.push_back({"end_effector_velocity", order.v_WE(), 3, ContactPair::kEndEffector});
+  for (int i = 0; i < balls; ++i) layout.x.push_back({"ball_velocity", order.v_WB(i), 2, i});
+  for (const ContactPair& pair : all_contact_pairs(balls)) {
+    const bool end_effector = pair.first == ContactPair::kEndEffector;
+    layout.contacts.push_back({end_effector ? "end_effector_ball" : "ball_ball",
+                               end_effector ? "end_effector" : "balls", pair});
+  }
+  return layout;
+}
+
+class RollingBalls final : public PlanningModel {
+ public:
+  explicit RollingBalls(const BallsModelParameters& parameters)
+      : PlanningModel(rolling_balls_layout(static_cast<int>(parameters.balls.size()))),
+        parameters_(parameters) {}
+
+  void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
+    const BallsLayout order{static_cast<int>(parameters_.balls.size())};
+    x.segment<3>(BallsLayout::p_WE) = scene.effector.p_WE;
+    x.segment<3>(order.v_WE()) = scene.effector.v_WE;
+    for (int i = 0; i < order.balls; ++i) {
+      x.segment<2>(order.p_WB(i)) = scene.body(i).p_WB.head<2>();
+      x.segment<2>(order.v_WB(i)) = scene.body(i).v_WB.head<2>();
+    }
+  }
+  ContactSystem contact_system(const scene::Scene& scene,
+                               const std::vector<int>& contacts) const override {
+    Eigen::VectorXd x(layout().n_x);
+    state(scene, x);
+    std::vector<ContactPair> pairs;
+    for (const int i : contacts)
+      pairs.push_back(layout().contacts[static_cast<std::size_t>(i)].bodies);
+    return balls_contact_system(parameters_, pairs, x);
+  }
+
+ private:
+  BallsModelParameters parameters_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlanningModel> make_rolling_balls(const BallsModelParameters& parameters) {
+  return std::make_unique<RollingBalls>(parameters);
+}
+
+ModelKind rolling_balls_kind() {
+  return {"rolling_balls", 2, 4,
+          {{"end_effector_mass_kg", 1e-4, 100},
+           {"end_effector_radius_m", 1e-3, 1},
+           {"ball_mass_kg", 1e-3, 100},
+           {"ball_radius_m", 1e-3, 1},
+           {"table_height_m", -2, 2},
+           {"friction_end_effector", 0, 10},
+           {"friction_balls", 0, 10}},
+          [](const ModelValues& of, int bodies) {
+            BallsModelParameters parameters{};
+            parameters.end_effector_mass = of["end_effector_mass_kg"];
+            parameters.end_effector_radius = of["end_effector_radius_m"];
+            parameters.table_height = of["table_height_m"];
+            parameters.friction_end_effector = of["friction_end_effector"];
+            parameters.friction_balls = of["friction_balls"];
+            parameters.balls.assign(static_cast<std::size_t>(bodies),
+                                    {of["ball_mass_kg"], of["ball_radius_m"]});
+            return make_rolling_balls(parameters);
+          }};
+}
+
 }  // namespace c3rt::model

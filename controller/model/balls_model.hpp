@@ -1,11 +1,13 @@
 #pragma once
 // The reduced model of several balls on a table [C3, section VII-B]: a point-mass end effector with
 // a spherical tip, and balls that never leave the table and roll on it without slipping.
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "controller/model/contact_system.hpp"
+#include "controller/model/registry.hpp"
 
 namespace c3rt::model {
 
@@ -34,12 +36,6 @@ struct BallsLayout {
   constexpr int v_WB(int ball) const { return n_v() + 3 + 2 * ball; }
 };
 
-/// Two bodies that may touch: balls by their index, or kEndEffector.
-struct ContactPair {
-  static constexpr int kEndEffector = -1;
-  int first, second;
-};
-
 /// The end effector with each ball in turn, then each ball with each later one: 3 pairs of 2 balls,
 /// 6 pairs of 3 balls.
 std::vector<ContactPair> all_contact_pairs(int balls);
@@ -57,5 +53,9 @@ std::vector<ContactPair> all_contact_pairs(int balls);
 /// Precondition: the centres of two bodies of a pair differ.
 ContactSystem balls_contact_system(const BallsModelParameters& parameters,
                                    const std::vector<ContactPair>& pairs, const Eigen::VectorXd& x);
+
+/// Balls that stay on the table and roll: 14, 18 or 22 states of 2, 3 or 4 [C3, VII-B].
+std::unique_ptr<PlanningModel> make_rolling_balls(const BallsModelParameters& parameters);
+ModelKind rolling_balls_kind();
 
 }  // namespace c3rt::model

@@ -5,7 +5,8 @@
 
 #include "controller/c3/solver.hpp"
 #include "controller/lcs/lemke.hpp"
-#include "controller/planner/planning_model.hpp"
+#include "controller/planner/parameters.hpp"
+#include "controller/planner/weights.hpp"
 
 namespace c3rt::planner {
 
@@ -16,40 +17,42 @@ enum class StepStatus {
   kNoStep,     // the step over Δt_c has none
 };
 
-/// What a step leaves; of kFailed and kNoStep nothing but the status counts.
+/// What a step leaves; of kFailed and kNoStep nothing but status and solution count.
 struct StepResult {
   Eigen::Vector3d p_WE, v_WE;    // x_d of the end effector
   Eigen::Vector3d force_E;       // λ_d as the contacts' force on the end effector, in W [N]
   Eigen::Vector3d u_c3;          // [N]
   Eigen::VectorXd lambda_d;      // of the step over Δt_c (n_lambda_d) [N]
   double force_scale;            // what the solution's λ are to be multiplied with for [N]
-  const c3::Solution* solution;  // of Algorithm 1; valid until the next step
+  // of Algorithm 1, valid until the next step; none where forces of no contact could be scaled
+  const c3::Solution* solution;
 };
 
-/// The scenario's M_s: of one ball or of several.
-std::unique_ptr<PlanningModel> make_model(const Parameters& parameters);
+/// The scenario's M_s.
+std::unique_ptr<model::PlanningModel> make_model(const ModelParameters& parameters);
 
-/// What Algorithm 1 weighs in one phase. @param has_gamma Stewart and Trinkle's λ, else Anitescu's
-/// @param ball that is worked on: it and the first one change their weights
-c3::Costs costs_of(const PlanningModel& model, PhaseWeights weights, bool has_gamma, int ball = 0);
+/// What the scenario plans with. @param model must outlive it
+PlanningProblem planning_problem(const model::PlanningModel& model,
+                                 const ModelParameters& parameters);
 
 class C3Step {
  public:
-  /// @throws std::invalid_argument if weights or sizes cannot be used (named)
+  /// @throws std::invalid_argument or std::out_of_range if weights or sizes cannot be used (named)
   explicit C3Step(const Parameters& parameters);
 
-  int n_x() const noexcept { return model_->n_x(); }
-  int n_lambda() const noexcept { return n_lambda_; }        // of the planning system
-  int n_lambda_d() const noexcept { return lemke_.size(); }  // of the step over Δt_c
+  int n_x() const noexcept { return model_->layout().n_x; }
+  int n_u() const noexcept { return model_->layout().n_u; }
+  int n_lambda() const noexcept { return problem_.lambda().size(); }  // of the planning system
+  int n_lambda_d() const noexcept { return lemke_.size(); }           // of the step over Δt_c
 
   /// What is wanted at a stage 0 … N of the horizon.
-  void want(int stage, const Scene& desired) noexcept {
+  void want(int stage, const scene::Scene& desired) noexcept {
     model_->state(desired, x_desired_.col(stage));
   }
 
   /// @param rolling Phase I of the heuristic, else Phase II: whose weights hold
-  /// @param ball that the heuristic works on: the first of the weights per ball is its
-  StepStatus step(const Scene& x_hat, bool rolling, int ball, double delta_t_c,
+  /// @param active the body that is worked on: the first of the weights per body is its
+  StepStatus step(const scene::Scene& x_hat, bool rolling, int active, double delta_t_c,
                   const c3::Deadline& deadline) noexcept;
 
   const StepResult& result() const noexcept { return result_; }
@@ -57,11 +60,11 @@ class C3Step {
  private:
   void use(const c3::Costs& costs);
 
-  bool stewart_trinkle_;
   double dt_;
-  std::unique_ptr<PlanningModel> model_;
-  int n_lambda_;
-  std::vector<c3::Costs> roll_, back_;  // by the ball that is worked on
+  std::unique_ptr<model::PlanningModel> model_;
+  PlanningProblem problem_;
+  std::vector<int> all_contacts_;
+  std::vector<c3::Costs> roll_, back_;  // by the body that is worked on
   const c3::Costs* in_use_ = nullptr;
   c3::Solver solver_;
   lcs::Lemke lemke_;

@@ -1,6 +1,7 @@
 #include "controller/planner/load_parameters.hpp"
 
 #include "controller/c3/load_settings.hpp"
+#include "controller/planner/c3_step.hpp"
 
 namespace c3rt::planner {
 namespace {
@@ -9,35 +10,27 @@ constexpr config::Range kWeight{0.0, 1e12};
 constexpr config::Range kPositiveWeight{1e-12, 1e12};
 
 /// One weight for all rows of η, or `KEY_distance` and `KEY_slip` beside that of the cone.
-PhaseWeights::Gaps load_gaps(config::Section& plus, const std::string& key) {
+PhaseWeights::Rows load_rows(config::Section& plus, const std::string& key) {
   const double cone = plus.number(key, kPositiveWeight);
   return {cone, plus.number(key + "_distance", kPositiveWeight, cone),
           plus.number(key + "_slip", kPositiveWeight, cone)};
 }
 
-PhaseWeights load_weights(config::Section section, int balls, c3::ProjectionKind projection) {
+PhaseWeights load_weights(config::Section section, const model::Layout& layout,
+                          c3::ProjectionKind projection) {
   PhaseWeights weights{};
   config::Section Q = section.section("Q");
-  weights.Q_end_effector = Q.number("end_effector", kWeight);
-  weights.Q_end_effector_velocity = Q.number("end_effector_velocity", kWeight);
-  const Eigen::VectorXd Q_ball_xy = Q.one_or_each("ball_xy", balls, kWeight);
-  weights.Q_ball_xy.assign(Q_ball_xy.data(), Q_ball_xy.data() + Q_ball_xy.size());
-  if (balls == 1) weights.Q_ball_z = Q.number("ball_z", kWeight);
-  weights.Q_ball_velocity = Q.number("ball_velocity", kWeight);
+  for (const std::string& name : layout.weights()) {
+    const int bodies = static_cast<int>(layout.bodies(name).size());
+    const Eigen::VectorXd of_bodies = Q.one_or_each(name, bodies, kWeight);
+    weights.Q[name].assign(of_bodies.data(), of_bodies.data() + of_bodies.size());
+  }
   weights.R = section.number("R", kPositiveWeight);
   config::Section G = section.section("G");
   weights.G_x = G.number("x", kPositiveWeight);
   weights.G_u = G.number("u", kPositiveWeight);
-  weights.G_gamma = G.number("gamma", kPositiveWeight);
-  weights.G_end_effector_normal = G.number("end_effector_normal", kPositiveWeight);
-  weights.G_end_effector_tangential = G.number("end_effector_tangential", kPositiveWeight);
-  if (balls == 1) {
-    weights.G_table_normal = G.number("table_normal", kPositiveWeight);
-    weights.G_table_tangential = G.number("table_tangential", kPositiveWeight);
-  } else {
-    weights.G_balls_normal = G.number("balls_normal", kPositiveWeight);
-    weights.G_balls_tangential = G.number("balls_tangential", kPositiveWeight);
-  }
+  for (const std::string& name : lambda_weights(layout))
+    weights.G_lambda[name] = G.number(name, kPositiveWeight);
   const bool lcp = projection == c3::ProjectionKind::kLcp;
   const bool is_convex = projection == c3::ProjectionKind::kConvex;
   const bool is_plus = projection == c3::ProjectionKind::kPlus;
@@ -56,29 +49,49 @@ PhaseWeights load_weights(config::Section section, int balls, c3::ProjectionKind
     config::Section plus = section.section("plus");
     if (plus.has("g_lambda")) weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
     weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
-    weights.plus_g_eta = load_gaps(plus, "g_eta");
-    weights.plus_u_eta = load_gaps(plus, "u_eta");
+    weights.plus_g_eta = load_rows(plus, "g_eta");
+    weights.plus_u_eta = load_rows(plus, "u_eta");
   }
   return weights;
 }
 
-/// {end_effector_ball: true, ball_table: true}: the contact pairs of the planning model; of several
-/// balls {end_effector_ball: true, ball_ball: true}.
-void load_contacts(config::Section& model, Parameters& parameters) {
-  config::Section pairs = model.section("contacts");
-  const bool end_effector = pairs.boolean("end_effector_ball");
-  if (parameters.balls == 1) {
-    if (end_effector) parameters.contacts.push_back(model::BallContact::kEndEffector);
-    if (pairs.boolean("ball_table")) parameters.contacts.push_back(model::BallContact::kTable);
-  } else {
-    const bool balls = pairs.boolean("ball_ball");
-    for (const model::ContactPair& pair : model::all_contact_pairs(parameters.balls)) {
-      const bool with_end_effector = pair.first == model::ContactPair::kEndEffector;
-      if (with_end_effector ? end_effector : balls) parameters.pairs.push_back(pair);
+/// The kind of the model, its numbers, and {NAME OF A PAIR: true, …}: the contacts to plan with.
+ModelParameters load_model(config::Section& section, int bodies) {
+  ModelParameters parameters{};
+  parameters.bodies = bodies;
+  parameters.kind = model::default_model_kind(bodies).name;
+  if (section.has("kind")) {
+    parameters.kind = section.name("kind");
+    std::string known;
+    bool found = false;
+    for (const model::ModelKind& kind : model::model_kinds()) {
+      found |= kind.name == parameters.kind;
+      known += (known.empty() ? "" : ", ") + kind.name;
     }
+    if (!found) section.fail("kind", "one of " + known, "\"" + parameters.kind + "\"");
   }
-  if (parameters.contacts.empty() && parameters.pairs.empty())
-    model.fail("contacts", "at least one pair that is true", "none");
+  const model::ModelKind& kind = model::model_kind(parameters.kind);
+  if (bodies < kind.min_bodies || bodies > kind.max_bodies) {
+    section.fail("kind",
+                 "a model of " + std::to_string(bodies) + (bodies == 1 ? " body" : " bodies"),
+                 kind.name + ", for " + std::to_string(kind.min_bodies) + " to " +
+                     std::to_string(kind.max_bodies));
+  }
+  for (const model::ModelKey& key : kind.keys)
+    parameters.values.set(key.name, section.number(key.name, {key.min, key.max}));
+  parameters.contact_model = section.choice<model::ContactModel>(
+      "contact_model", {{"stewart_trinkle", model::ContactModel::kStewartTrinkle},
+                        {"anitescu", model::ContactModel::kAnitescu}});
+  config::Section pairs = section.section("contacts");
+  std::set<std::string> asked;
+  const std::unique_ptr<model::PlanningModel> made = make_model(parameters);
+  for (const model::ModelContact& contact : made->layout().contacts) {
+    if (!asked.insert(contact.pair).second) continue;
+    if (pairs.boolean(contact.pair)) parameters.pairs.insert(contact.pair);
+  }
+  if (parameters.pairs.empty())
+    section.fail("contacts", "at least one pair that is true", "none");
+  return parameters;
 }
 
 DisturbanceParameters load_disturbance(config::Section section) {
@@ -96,7 +109,6 @@ DisturbanceParameters load_disturbance(config::Section section) {
 Parameters load_parameters(config::Section section, const Task& task, int balls) {
   Parameters parameters{};
   parameters.task = task;
-  parameters.balls = balls;
   parameters.rate = section.number("rate_hz", {1, 1000});
   parameters.publish_delay = section.number("publish_delay_s", {0, 0.2});
   parameters.valid_for = section.number("valid_for_s", {0.001, 5});
@@ -116,28 +128,21 @@ Parameters load_parameters(config::Section section, const Task& task, int balls)
     parameters.disturbance = load_disturbance(section.section("ball_disturbance"));
 
   config::Section model = section.section("model");
-  parameters.model.end_effector_mass = model.number("end_effector_mass_kg", {1e-4, 100});
-  parameters.model.end_effector_radius = model.number("end_effector_radius_m", {1e-3, 1});
-  parameters.model.ball_mass = model.number("ball_mass_kg", {1e-3, 100});
-  parameters.model.ball_radius = model.number("ball_radius_m", {1e-3, 1});
-  parameters.model.table_height = model.number("table_height_m", {-2, 2});
-  parameters.model.friction_end_effector = model.number("friction_end_effector", {0, 10});
-  if (balls == 1) {
-    parameters.model.friction_table = model.number("friction_table", {0, 10});
-  } else {
-    parameters.friction_balls = model.number("friction_balls", {0, 10});
-  }
-  parameters.contact_model = model.choice<ContactModel>(
-      "contact_model",
-      {{"stewart_trinkle", ContactModel::kStewartTrinkle}, {"anitescu", ContactModel::kAnitescu}});
-  load_contacts(model, parameters);
+  parameters.model = load_model(model, balls);
+  const model::ModelValues& values = parameters.model.values;
+  parameters.geometry = {values["end_effector_radius_m"], values["ball_radius_m"],
+                         values["table_height_m"]};
 
   parameters.c3 = c3::load_settings(section.section("c3"));
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
 
   config::Section weights = section.section("weights");
-  parameters.roll = load_weights(weights.section("roll"), balls, parameters.c3.projection);
-  parameters.back = load_weights(weights.section("return"), balls, parameters.c3.projection);
+  const std::unique_ptr<model::PlanningModel> planned = make_model(parameters.model);
+  const auto weights_of = [&](const char* phase) {
+    return load_weights(weights.section(phase), planned->layout(), parameters.c3.projection);
+  };
+  parameters.roll = weights_of("roll");
+  parameters.back = weights_of("return");
 
   config::Section heuristic = section.section("heuristic");
   parameters.heuristic.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});

@@ -3,40 +3,33 @@
 // load_parameters.cpp.
 #include <limits>
 #include <optional>
-#include <vector>
+#include <set>
+#include <string>
 
 #include <Eigen/Core>
 
 #include "controller/c3/solver.hpp"
-#include "controller/model/ball_model.hpp"
-#include "controller/model/balls_model.hpp"
+#include "controller/model/contact_model.hpp"
+#include "controller/model/registry.hpp"
 #include "controller/planner/task.hpp"
+#include "controller/planner/weights.hpp"
 
 namespace c3rt::planner {
 
-/// Diagonal weights of one phase, by meaning. G and U act on the scaled forces (FIGURES 4.3,
-/// docs/math.md).
-struct PhaseWeights {
-  double Q_end_effector, Q_end_effector_velocity;
-  std::vector<double> Q_ball_xy;     // of the ball that is worked on, then of the others
-  double Q_ball_z, Q_ball_velocity;  // z: of one ball alone
-  double R;
-  double G_x, G_u, G_gamma, G_end_effector_normal, G_end_effector_tangential;
-  double G_table_normal, G_table_tangential;  // of one ball alone
-  double G_balls_normal, G_balls_tangential;  // of several balls alone
-  double U_x, U_lambda, U_u;
-  // projections that need more; the convex one weighs x and u by U_x and U_u
-  double convex_alpha, convex_epsilon;
-  std::optional<double> plus_g_lambda;  // none: G of λ, contact by contact
-  double plus_u_lambda;
-  struct Gaps {  // C3+'s η by row: of the friction cone, of the distance, of the slip
-    double cone, distance, slip;
-  } plus_g_eta, plus_u_eta;
+/// The planning model M_s by name, and what of it is planned with.
+struct ModelParameters {
+  std::string kind;           // of model::model_kinds()
+  model::ModelValues values;  // by the kind's keys
+  int bodies;
+  model::ContactModel contact_model;  // of L_Δt; the step over Δt_c is Stewart and Trinkle's
+  std::set<std::string> pairs;  // that L_Δt has, by their names; the step over Δt_c has them all
 };
 
-enum class ContactModel {
-  kStewartTrinkle,
-  kAnitescu,  // F positive semidefinite, as the convex projection needs it; λ are impulses
+/// What the heuristic and the approach know of the bodies: every one is round, on one table.
+struct Geometry {
+  double end_effector_radius;  // [m]
+  double ball_radius;          // [m]
+  double table_height;         // of the table's surface in W [m]
 };
 
 /// The time-based heuristic of Figure 10: where the end effector is drawn to, never when it
@@ -104,13 +97,8 @@ struct Parameters {
   double deadline_fraction;  // of the period, realtime only
   int N;
   double dt;                         // planning step Δt [s]
-  int balls;                         // 1: M_s of one ball; more: balls that stay on the table
-  model::BallModelParameters model;  // every ball alike; friction_table: of one ball alone
-  double friction_balls;             // μ between balls, of several
-  ContactModel contact_model;        // of L_Δt; the step over Δt_c is Stewart and Trinkle's
-  // contacts that L_Δt has, of one ball or of several; the step over Δt_c has them all
-  std::vector<model::BallContact> contacts;
-  std::vector<model::ContactPair> pairs;
+  ModelParameters model;
+  Geometry geometry;
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/ball_model.hpp"
+
 namespace c3rt::planner {
 namespace {
 
@@ -26,7 +28,7 @@ Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
   return Eigen::AngleAxisd(tilt, Eigen::Vector3d(direction.y(), -direction.x(), 0.0)) * down;
 }
 
-bool finite(const Ball& ball) {
+bool finite(const scene::Body& ball) {
   return ball.p_WB.allFinite() && ball.v_WB.allFinite() && ball.omega_WB.allFinite() &&
          ball.q_WB.coeffs().allFinite();
 }
@@ -41,9 +43,9 @@ bool of_state(Cause cause) {
 }
 
 // Between the surfaces of end effector and ball [m].
-double gap_between(const model::BallModelParameters& model, const Scene& scene, int ball) {
-  const double distance = (scene.balls[static_cast<std::size_t>(ball)].p_WB - scene.p_WE).norm();
-  return distance - model.ball_radius - model.end_effector_radius;
+double gap_between(const Geometry& geometry, const scene::Scene& scene, int ball) {
+  const double distance = (scene.body(ball).p_WB - scene.effector.p_WE).norm();
+  return distance - geometry.ball_radius - geometry.end_effector_radius;
 }
 
 // No farther away than a pace.
@@ -54,7 +56,7 @@ Eigen::Vector2d paced(const Eigen::Vector2d& from, const Eigen::Vector2d& to, do
 }
 
 // How far a ball that nobody touches gets in a time.
-Eigen::Vector2d rolled_on(const Ball& ball, double time) {
+Eigen::Vector2d rolled_on(const scene::Body& ball, double time) {
   return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
 }
 
@@ -85,34 +87,34 @@ Mode next(Mode mode, const Situation& situation) {
 Planner::Planner(const Parameters& parameters)
     : parameters_(parameters),
       step_(parameters),
-      approach_(parameters.approach, parameters.model.table_height),
-      rest_(parameters.model, parameters.approach.leash) {
+      approach_(parameters.approach, parameters.geometry.table_height),
+      rest_(parameters.geometry, parameters.approach.leash) {
   if (parameters.disturbance) disturbance_.emplace(*parameters.disturbance);
   plan_.lambda_d = Eigen::VectorXd::Zero(step_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(step_.n_x(), parameters.N);
   plan_.lambda = Eigen::MatrixXd::Zero(step_.n_lambda(), parameters.N);
-  plan_.u = Eigen::MatrixXd::Zero(3, parameters.N);
+  plan_.u = Eigen::MatrixXd::Zero(step_.n_u(), parameters.N);
   plan_.primal_residual = Eigen::VectorXd::Zero(parameters.c3.admm_iterations);
   plan_.ball = 0;
   plan_.ball_target.setZero();
   hold(Eigen::Vector3d::Zero());
 }
 
-Cause Planner::hindrance(const BallInput& ball) const noexcept {
+Cause Planner::hindrance(const BodyInput& ball) const noexcept {
   if (std::isinf(ball.age)) return Cause::kNoVision;
   if (ball.age > parameters_.estimate_timeout) return Cause::kVisionSilent;
   if (!ball.seen) return Cause::kBallNotInView;
-  if (!finite(ball.ball)) return Cause::kBallNotFinite;
-  if (!within(parameters_.approach, ball.ball.p_WB.head<2>())) return Cause::kBallOutOfReach;
+  if (!finite(ball.body)) return Cause::kBallNotFinite;
+  if (!within(parameters_.approach, ball.body.p_WB.head<2>())) return Cause::kBallOutOfReach;
   return Cause::kNone;
 }
 
 Cause Planner::hindrance(const Input& input, int& ball) const noexcept {
   if (std::isinf(input.state_age)) return Cause::kNoState;
   if (input.state_age > kStateTimeout) return Cause::kStateLate;
-  if (!input.p_WE.allFinite() || !input.v_WE.allFinite()) return Cause::kStateNotFinite;
-  for (ball = 0; ball < parameters_.balls; ++ball) {
-    const Cause cause = hindrance(input.balls[static_cast<std::size_t>(ball)]);
+  if (!input.effector.p_WE.allFinite() || !input.effector.v_WE.allFinite()) return Cause::kStateNotFinite;
+  for (ball = 0; ball < parameters_.model.bodies; ++ball) {
+    const Cause cause = hindrance(input.bodies[static_cast<std::size_t>(ball)]);
     if (cause != Cause::kNone) return cause;
   }
   return Cause::kNone;
@@ -130,34 +132,34 @@ Situation Planner::situation(const Input& input) const noexcept {
   return situation;
 }
 
-bool Planner::in_view(const BallInput& ball) const noexcept {
+bool Planner::in_view(const BodyInput& ball) const noexcept {
   const Cause cause = hindrance(ball);
   return cause == Cause::kNone || cause == Cause::kBallOutOfReach;
 }
 
-RestInput Planner::rest_input(const Input& input, const Scene& scene,
+RestInput Planner::rest_input(const Input& input, const scene::Scene& scene,
                               double period) const noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
-  const Ball& ball = scene.balls[worked];
+  const scene::Body& ball = scene.bodies[worked];
   const auto* to = std::get_if<PointTarget>(&input.target);
   return {input.now,
           period,
-          input.p_WE,
-          input.v_WE,
-          in_view(input.balls[worked]),
+          input.effector.p_WE,
+          input.effector.v_WE,
+          in_view(input.bodies[worked]),
           ball.p_WB,
           ball.v_WB,
           to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
 }
 
-void Planner::decide_rest(const Input& input, const Scene& scene, Situation& known) noexcept {
+void Planner::decide_rest(const Input& input, const scene::Scene& scene, Situation& known) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
-  const Ball& ball = scene.balls[worked];
-  const bool seen = in_view(input.balls[worked]);
+  const scene::Body& ball = scene.bodies[worked];
+  const bool seen = in_view(input.bodies[worked]);
   // what is not seen is where it was: an end effector that stood on it still does
   if (seen) {
-    const double gap = gap_between(parameters_.model, scene, ball_);
-    const double beside = (scene.p_WE - ball.p_WB).head<2>().norm();
+    const double gap = gap_between(parameters_.geometry, scene, ball_);
+    const double beside = (scene.effector.p_WE - ball.p_WB).head<2>().norm();
     on_ball_ = gap < kOnBallGap && beside < kOnBallBeside;
   }
   const bool working = mode_ == Mode::kRoll || mode_ == Mode::kReturn || mode_ == Mode::kRest;
@@ -208,7 +210,7 @@ void Planner::decide_rest(const Input& input, const Scene& scene, Situation& kno
   }
 }
 
-void Planner::tell(const Input& input, const Scene& scene) noexcept {
+void Planner::tell(const Input& input, const scene::Scene& scene) noexcept {
   int ball = ball_;
   Cause cause = hindrance(input, ball);
   if (cause == Cause::kNone) ball = ball_;
@@ -226,11 +228,11 @@ void Planner::tell(const Input& input, const Scene& scene) noexcept {
     activity_.since = input.now;
   activity_.mode = mode_;
   activity_.cause = cause;
-  activity_.ball = std::min(ball, parameters_.balls - 1);
+  activity_.ball = std::min(ball, parameters_.model.bodies - 1);
   const auto meant = static_cast<std::size_t>(activity_.ball);
-  activity_.age = of_state(cause) ? input.state_age : input.balls[meant].age;
-  activity_.ball_at = scene.balls[meant].p_WB.head<2>();
-  activity_.ball_speed = scene.balls[meant].v_WB.head<2>().norm();
+  activity_.age = of_state(cause) ? input.state_age : input.bodies[meant].age;
+  activity_.ball_at = scene.bodies[meant].p_WB.head<2>();
+  activity_.ball_speed = scene.bodies[meant].v_WB.head<2>().norm();
 }
 
 const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
@@ -247,9 +249,9 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   periods_[static_cast<std::size_t>(period_count_++)] = period;
 
   const bool in_c3 = mode_ == Mode::kRoll || mode_ == Mode::kReturn;
-  Scene scene = estimate(input);
+  scene::Scene scene = estimate(input);
   observe_ball(input, scene, in_c3 && c3_since_ >= 0.0);
-  for (Ball& ball : scene.balls) ball.a_WB = disturbance();
+  for (scene::Body& ball : scene.bodies) ball.a_WB = disturbance();
   advance_phase(input.now, scene, in_c3 && c3_since_ >= 0.0);
   Situation known = situation(input);
   // one ball for a whole cycle: half-way to another one nothing is gained
@@ -265,7 +267,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   const Mode previous = mode_;
   mode_ = next(mode_, known);
   if (mode_ != previous || was_away) {
-    if (mode_ == Mode::kApproach || mode_ == Mode::kHold) approach_.begin(input.p_WE);
+    if (mode_ == Mode::kApproach || mode_ == Mode::kHold) approach_.begin(input.effector.p_WE);
     if (mode_ == Mode::kRest) rest_.begin(rest_input(input, scene, period));
     if (!in_c3 && mode_ == Mode::kReturn) {
       c3_since_ = input.now;
@@ -277,7 +279,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
 
   switch (mode_) {
     case Mode::kWait:
-      hold(known.state_fresh ? input.p_WE : Eigen::Vector3d::Zero());
+      hold(known.state_fresh ? input.effector.p_WE : Eigen::Vector3d::Zero());
       plan_.status = PlanStatus::kFallback;
       break;
     case Mode::kRest:
@@ -287,12 +289,12 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
       plan_.force_E.z() = rest_.press();
       break;
     case Mode::kHold:
-      approach_.out_of_the_way({input.now, period, input.p_WE, input.robot_follows});
+      approach_.out_of_the_way({input.now, period, input.effector.p_WE, input.robot_follows});
       hold(approach_.reference());
       break;
     case Mode::kApproach: {
-      const Eigen::Vector3d& p_WB = input.balls[static_cast<std::size_t>(ball_)].ball.p_WB;
-      approach_.to_ball({input.now, period, input.p_WE, input.robot_follows}, p_WB);
+      const Eigen::Vector3d& p_WB = input.bodies[static_cast<std::size_t>(ball_)].body.p_WB;
+      approach_.to_ball({input.now, period, input.effector.p_WE, input.robot_follows}, p_WB);
       hold(approach_.reference());
       plan_.v_WE = approach_.velocity();
       plan_.ball_target << target(input, 0.0, scene, ball_), p_WB.z();
@@ -309,56 +311,56 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
   return plan_;
 }
 
-void Planner::observe_ball(const Input& input, const Scene& scene, bool in_c3) noexcept {
+void Planner::observe_ball(const Input& input, const scene::Scene& scene, bool in_c3) noexcept {
   if (!disturbance_) return;
   // before C3 has touched it somebody may hold the ball
   if (!in_c3) ball_touched_ = -1.0;
-  if (!in_c3 || !in_view(input.balls[0])) return;
-  const double gap = gap_between(parameters_.model, scene, 0);
+  if (!in_c3 || !in_view(input.bodies[0])) return;
+  const double gap = gap_between(parameters_.geometry, scene, 0);
   if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
   if (ball_touched_ < 0.0) return;
-  const double exposure = input.now - input.balls[0].age;
-  disturbance_->observe(exposure, input.balls[0].ball.p_WB.head<2>(),
+  const double exposure = input.now - input.bodies[0].age;
+  disturbance_->observe(exposure, input.bodies[0].body.p_WB.head<2>(),
                         exposure < ball_touched_ + parameters_.disturbance->settle);
 }
 
-void Planner::advance_phase(double now, const Scene& scene, bool in_c3) noexcept {
+void Planner::advance_phase(double now, const scene::Scene& scene, bool in_c3) noexcept {
   phase_ = phase_at(parameters_.heuristic, in_c3 ? now - c3_since_ : 0.0);
   if (!in_c3 || phase_ != Phase::kRoll) {
     touched_ = false;
     return;
   }
-  const Eigen::Vector3d& p_WB = scene.balls[static_cast<std::size_t>(ball_)].p_WB;
-  const double gap = gap_between(parameters_.model, scene, ball_);
+  const Eigen::Vector3d& p_WB = scene.body(ball_).p_WB;
+  const double gap = gap_between(parameters_.geometry, scene, ball_);
   touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
-  const bool slipped_off = (scene.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
+  const bool slipped_off = (scene.effector.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
   if ((touched_ && gap > parameters_.heuristic.return_gap) || slipped_off) {
     c3_since_ = now;
     phase_ = Phase::kReturnUp;
   }
 }
 
-double Planner::lowered(Scene& scene, std::size_t worked) const noexcept {
-  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
-  double rise = scene.balls[worked].p_WB.z() - ball_height;
+double Planner::lowered(scene::Scene& scene, std::size_t worked) const noexcept {
+  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
+  double rise = scene.bodies[worked].p_WB.z() - ball_height;
   // A ball that is seen too high would be planned to hold the end effector up, and the press on it,
   // some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
   // much.
-  const double touching = parameters_.model.ball_radius + parameters_.model.end_effector_radius;
-  const Eigen::Vector3d above = scene.p_WE - scene.balls[worked].p_WB;
+  const double touching = parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius;
+  const Eigen::Vector3d above = scene.effector.p_WE - scene.bodies[worked].p_WB;
   const double over_square = touching * touching - above.head<2>().squaredNorm();
   if (over_square > 0.0 && above.z() > 0.0) {
     const double overlap = std::sqrt(over_square) - above.z();
     rise -= std::min(std::max(overlap, 0.0), kHeightDoubt);
   }
-  scene.p_WE.z() -= rise;
-  for (Ball& ball : scene.balls) ball.p_WB.z() -= rise;
+  scene.effector.p_WE.z() -= rise;
+  for (scene::Body& ball : scene.bodies) ball.p_WB.z() -= rise;
   return rise;
 }
 
-Eigen::Vector2d Planner::target(const Input& input, double ahead, const Scene& scene,
+Eigen::Vector2d Planner::target(const Input& input, double ahead, const scene::Scene& scene,
                                 int ball) const noexcept {
-  const Eigen::Vector2d at = scene.balls[static_cast<std::size_t>(ball)].p_WB.head<2>();
+  const Eigen::Vector2d at = scene.body(ball).p_WB.head<2>();
   const double reach = parameters_.heuristic.target_reach;
   if (const auto* circle = std::get_if<CircleTask>(&input.target))
     return paced(at, circle_target(*circle, at), std::min(reach, kTargetPace));
@@ -392,19 +394,19 @@ void Planner::hold(const Eigen::Vector3d& p_WE) noexcept {
   plan_.complementarity_violation = 0.0;
 }
 
-Scene Planner::estimate(const Input& input) const noexcept {
-  Scene scene{};
-  scene.p_WE = input.p_WE;
-  scene.v_WE = input.v_WE;
-  scene.ball_count = parameters_.balls;
-  for (int i = 0; i < parameters_.balls; ++i) {
-    const BallInput& seen = input.balls[static_cast<std::size_t>(i)];
-    Ball& ball = scene.balls[static_cast<std::size_t>(i)];
-    ball = seen.ball;
+scene::Scene Planner::estimate(const Input& input) const noexcept {
+  scene::Scene scene{};
+  scene.effector.p_WE = input.effector.p_WE;
+  scene.effector.v_WE = input.effector.v_WE;
+  scene.body_count = parameters_.model.bodies;
+  for (int i = 0; i < parameters_.model.bodies; ++i) {
+    const BodyInput& seen = input.bodies[static_cast<std::size_t>(i)];
+    scene::Body& ball = scene.body(i);
+    ball = seen.body;
     // the camera saw the ball a while ago; the arm's state is of now
     if (parameters_.predict_ball) {
       const double age = std::min(seen.age, parameters_.estimate_timeout);
-      ball.p_WB = seen.ball.p_WB + age * seen.ball.v_WB;
+      ball.p_WB = seen.body.p_WB + age * seen.body.v_WB;
     }
   }
   return scene;
@@ -421,63 +423,57 @@ double Planner::delta_t_c(const Input& input) const noexcept {
   return std::min(std::max(result, 1e-3), parameters_.dt);
 }
 
-void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline deadline) noexcept {
+void Planner::plan_with_c3(const Input& input, const scene::Scene& scene, c3::Deadline deadline) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
-  Scene x_hat = scene;
+  scene::Scene x_hat = scene;
   const double rise = parameters_.table_below_ball ? lowered(x_hat, worked) : 0.0;
-  const Scene seen = x_hat;
+  const scene::Scene seen = x_hat;
   const Eigen::Vector2d target_now = target(input, 0.0, seen, ball_);
-  const Eigen::Vector2d e = target_now - x_hat.balls[worked].p_WB.head<2>();
+  const Eigen::Vector2d e = target_now - x_hat.bodies[worked].p_WB.head<2>();
 
   // what is wanted: the balls at their targets and the end effector where the heuristic draws it
-  const double ball_height = parameters_.model.table_height + parameters_.model.ball_radius;
-  Scene desired{};
-  desired.ball_count = x_hat.ball_count;
-  desired.v_WE.setZero();
-  for (Ball& ball : desired.balls)
-    ball = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-            Eigen::Quaterniond::Identity()};
+  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
+  scene::Scene desired{};
+  desired.body_count = x_hat.body_count;
 
   // Algorithm 3, step 1: x̂
   if (parameters_.separate_overlap) {
-    for (int i = 0; i < x_hat.ball_count; ++i) {
-      Ball& ball = x_hat.balls[static_cast<std::size_t>(i)];
+    for (int i = 0; i < x_hat.body_count; ++i) {
+      scene::Body& ball = x_hat.body(i);
       const Eigen::Vector2d way = target(input, 0.0, seen, i) - ball.p_WB.head<2>();
-      model::BallState state{x_hat.p_WE, ball.q_WB,     ball.p_WB,
-                             x_hat.v_WE, ball.omega_WB, ball.v_WB};
-      model::separate(parameters_.model, Eigen::Vector3d(way.x(), way.y(), 0.0), state);
-      ball.p_WB = state.p_WB;
+      model::separate(parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius,
+                      Eigen::Vector3d(way.x(), way.y(), 0.0), x_hat.effector, ball);
     }
   }
-  const Ball& rolled = x_hat.balls[worked];
+  const scene::Body& rolled = x_hat.bodies[worked];
   const bool follows = phase_ != Phase::kRoll && parameters_.heuristic.return_follows;
   Eigen::Vector3d meeting = rolled.p_WB;
   if (phase_ != Phase::kRoll && !follows)
     meeting.head<2>() += rolled_on(rolled, parameters_.heuristic.return_lead);
-  const Eigen::Vector3d drawn = end_effector_target(parameters_.heuristic, parameters_.model,
-                                                    phase_, x_hat.p_WE, meeting, target_now);
+  const Eigen::Vector3d drawn = end_effector_target(parameters_.heuristic, parameters_.geometry,
+                                                    phase_, x_hat.effector.p_WE, meeting, target_now);
   for (int k = 0; k <= parameters_.N; ++k) {
-    desired.p_WE = drawn;
+    desired.effector.p_WE = drawn;
     if (follows) {
-      desired.p_WE.head<2>() +=
+      desired.effector.p_WE.head<2>() +=
           rolled_on(rolled, parameters_.heuristic.return_lead + k * parameters_.dt);
     }
-    for (int i = 0; i < x_hat.ball_count; ++i) {
+    for (int i = 0; i < x_hat.body_count; ++i) {
       const auto ball = static_cast<std::size_t>(i);
       const double ahead = k * parameters_.dt;
-      desired.balls[ball].p_WB << target(input, ahead, seen, i), ball_height;
+      desired.bodies[ball].p_WB << target(input, ahead, seen, i), ball_height;
       const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
                                     ? target_velocity(parameters_.task, elapsed(input), ahead)
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero());
-      desired.balls[ball].v_WB << v, 0.0;
+      desired.bodies[ball].v_WB << v, 0.0;
       // rolling without slipping
-      desired.balls[ball].omega_WB << -v.y() / parameters_.model.ball_radius,
-          v.x() / parameters_.model.ball_radius, 0.0;
+      desired.bodies[ball].omega_WB << -v.y() / parameters_.geometry.ball_radius,
+          v.x() / parameters_.geometry.ball_radius, 0.0;
     }
     step_.want(k, desired);
   }
 
-  hold(input.p_WE);
+  hold(input.effector.p_WE);
   plan_.ball_target << target_now, ball_height;
   plan_.q_WE = tool_orientation(parameters_.tilt, e);
   plan_.delta_t_c = delta_t_c(input);
@@ -486,8 +482,8 @@ void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline 
   const StepStatus status =
       step_.step(x_hat, phase_ == Phase::kRoll, ball_, plan_.delta_t_c, deadline);
   const StepResult& result = step_.result();
-  const c3::Solution& solution = *result.solution;
-  counters_.branch_nodes += static_cast<std::uint64_t>(solution.branch_nodes);
+  if (result.solution != nullptr)
+    counters_.branch_nodes += static_cast<std::uint64_t>(result.solution->branch_nodes);
   if (status == StepStatus::kFailed || status == StepStatus::kNoStep) {
     plan_.status = PlanStatus::kFallback;
     ++counters_.fallbacks;
@@ -500,9 +496,9 @@ void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline 
   plan_.v_WE = result.v_WE;
   const double speed = plan_.v_WE.norm();
   if (speed > parameters_.speed_limit) {
-    const Eigen::Vector3d way = plan_.p_WE - input.p_WE;
+    const Eigen::Vector3d way = plan_.p_WE - input.effector.p_WE;
     if (way.norm() > 0.0)
-      plan_.p_WE = input.p_WE + way.normalized() * parameters_.speed_limit * plan_.delta_t_c;
+      plan_.p_WE = input.effector.p_WE + way.normalized() * parameters_.speed_limit * plan_.delta_t_c;
     plan_.v_WE *= parameters_.speed_limit / speed;
     ++counters_.speed_clamped;
   }
@@ -512,6 +508,7 @@ void Planner::plan_with_c3(const Input& input, const Scene& scene, c3::Deadline 
   if (phase_ == Phase::kRoll) plan_.force_E.z() += parameters_.heuristic.roll_press;
   plan_.lambda_d = result.lambda_d;
   plan_.u_c3 = result.u_c3;
+  const c3::Solution& solution = *result.solution;
   const Eigen::Index n_x = plan_.x.rows(), n_lambda = plan_.lambda.rows();
   plan_.x = solution.z.topRows(n_x);
   plan_.lambda = result.force_scale * solution.z.middleRows(n_x, n_lambda);

@@ -33,18 +33,18 @@ struct Situation {
 };
 Mode next(Mode mode, const Situation& situation);
 
-/// What is known of one ball.
-struct BallInput {
-  bool seen = false;  // by vision, at the exposure; else the ball is where it was last seen
+/// What is known of one body.
+struct BodyInput {
+  bool seen = false;  // by vision, at the exposure; else it is where it was last seen
   double age = std::numeric_limits<double>::infinity();  // since the exposure; before the first [s]
-  Ball ball;                                             // at the exposure
+  scene::Body body;                                      // at the exposure
 };
 
 struct Input {
   double now;        // session time [s]
   double state_age;  // of what follows; infinite before the first [s]
-  Eigen::Vector3d p_WE, v_WE;              // the end effector [m, m/s]
-  std::array<BallInput, kMaxBalls> balls;  // the first Parameters::balls of them
+  scene::Effector effector;
+  std::array<BodyInput, scene::kMaxBodies> bodies;  // the first ModelParameters::bodies of them
   bool robot_follows = true;  // it moves, and its controller tracks the plans
   bool stopped;   // a person has stopped the robot
   Target target;  // a client's
@@ -99,29 +99,29 @@ class Planner {
  private:
   Situation situation(const Input& input) const noexcept;
   /// Why a ball cannot be worked on; kNone if it can.
-  Cause hindrance(const BallInput& ball) const noexcept;
+  Cause hindrance(const BodyInput& ball) const noexcept;
   /// The same of the first ball that cannot, and of the robot's state.
   Cause hindrance(const Input& input, int& ball) const noexcept;
-  bool in_view(const BallInput& ball) const noexcept;
-  RestInput rest_input(const Input& input, const Scene& scene, double period) const noexcept;
+  bool in_view(const BodyInput& ball) const noexcept;
+  RestInput rest_input(const Input& input, const scene::Scene& scene, double period) const noexcept;
   /// What a client's target and the balls make of the situation: when a ball has to lie still.
-  void decide_rest(const Input& input, const Scene& scene, Situation& known) noexcept;
+  void decide_rest(const Input& input, const scene::Scene& scene, Situation& known) noexcept;
   /// Keeps activity() true.
-  void tell(const Input& input, const Scene& scene) noexcept;
+  void tell(const Input& input, const scene::Scene& scene) noexcept;
   /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
   /// it [m]
-  double lowered(Scene& scene, std::size_t worked) const noexcept;
+  double lowered(scene::Scene& scene, std::size_t worked) const noexcept;
 
-  void plan_with_c3(const Input& input, const Scene& scene, c3::Deadline deadline) noexcept;
+  void plan_with_c3(const Input& input, const scene::Scene& scene, c3::Deadline deadline) noexcept;
   /// Learns what accelerates the ball that C3 has touched and nobody touches now.
-  void observe_ball(const Input& input, const Scene& scene, bool in_c3) noexcept;
+  void observe_ball(const Input& input, const scene::Scene& scene, bool in_c3) noexcept;
   /// The phase of the heuristic now; where the ball has run away its clock starts anew.
-  void advance_phase(double now, const Scene& scene, bool in_c3) noexcept;
+  void advance_phase(double now, const scene::Scene& scene, bool in_c3) noexcept;
   /// The balls at the time of the arm's state.
-  Scene estimate(const Input& input) const noexcept;
+  scene::Scene estimate(const Input& input) const noexcept;
   double delta_t_c(const Input& input) const noexcept;
   /// x_d^b of a ball of the scene.
-  Eigen::Vector2d target(const Input& input, double ahead, const Scene& scene,
+  Eigen::Vector2d target(const Input& input, double ahead, const scene::Scene& scene,
                          int ball) const noexcept;
   double elapsed(const Input& input) const noexcept;
   void hold(const Eigen::Vector3d& p_WE) noexcept;

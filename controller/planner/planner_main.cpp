@@ -51,7 +51,7 @@ struct Inputs {
   wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
   wire::RobotCommand command{};
-  std::array<std::optional<wire::BallEstimate>, planner::kMaxBalls> balls;  // by key
+  std::array<std::optional<wire::BallEstimate>, scene::kMaxBodies> balls;  // by key
   bool has_state = false, stopped = false;
   planner::Target target = planner::ScenarioTarget{};
   std::int64_t stall_until_ns = 0, nan_until_ns = 0;
@@ -130,11 +130,12 @@ void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
   }
 }
 
-planner::BallInput ball_input(const wire::BallEstimate& seen, std::int64_t now_ns) {
+planner::BodyInput body_input(const wire::BallEstimate& seen, std::int64_t now_ns) {
   return {seen.valid,
           seconds(now_ns - seen.exposure_ns),
-          {vector(seen.p_WB_m), vector(seen.v_WB_m_per_s), vector(seen.omega_rad_per_s),
-           Eigen::Quaterniond(seen.q_WB[0], seen.q_WB[1], seen.q_WB[2], seen.q_WB[3])}};
+          {vector(seen.p_WB_m),
+           Eigen::Quaterniond(seen.q_WB[0], seen.q_WB[1], seen.q_WB[2], seen.q_WB[3]),
+           vector(seen.v_WB_m_per_s), vector(seen.omega_rad_per_s)}};
 }
 
 planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& arm,
@@ -153,11 +154,11 @@ planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& 
     model::ArmState arm_state;
     arm.update(Eigen::Map<const model::Vector7d>(in.state.q_rad),
                Eigen::Map<const model::Vector7d>(in.state.dq_rad_per_s), arm_state);
-    input.p_WE = arm_state.X_WE.translation();
-    input.v_WE = arm_state.V_WE.head<3>();
+    input.effector.p_WE = arm_state.X_WE.translation();
+    input.effector.v_WE = arm_state.V_WE.head<3>();
   }
   for (std::size_t i = 0; i < in.balls.size(); ++i) {
-    if (in.balls[i]) input.balls[i] = ball_input(*in.balls[i], now_ns);
+    if (in.balls[i]) input.bodies[i] = body_input(*in.balls[i], now_ns);
   }
   return input;
 }
@@ -286,7 +287,7 @@ int run(const config::ProcessOptions& options) {
   while (loop.wait(now_ns)) {
     in.has_state |= in.states.take_effective(now_ns, in.state);
     in.commands.take_effective(now_ns, in.command);
-    take_estimates(in, parameters.balls, now_ns);
+    take_estimates(in, parameters.model.bodies, now_ns);
     take_targets(in, limits, replies, now_ns);
     take_requests(in, replies, now_ns);
     take_faults(in, replies, now_ns);

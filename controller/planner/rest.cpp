@@ -34,7 +34,7 @@ constexpr double kRiseRate = 0.02;      // a jerk would kick the ball [m/s²]
 
 }  // namespace
 
-Rest::Rest(const model::BallModelParameters& model, double leash) : model_(model), leash_(leash) {}
+Rest::Rest(const Geometry& geometry, double leash) : geometry_(geometry), leash_(leash) {}
 
 void Rest::enter(Stage stage, double now) noexcept {
   stage_ = stage;
@@ -42,7 +42,7 @@ void Rest::enter(Stage stage, double now) noexcept {
 }
 
 double Rest::gap(const RestInput& input) const noexcept {
-  return (input.p_WE - input.p_WB).norm() - model_.ball_radius - model_.end_effector_radius;
+  return (input.p_WE - input.p_WB).norm() - geometry_.ball_radius - geometry_.end_effector_radius;
 }
 
 void Rest::begin(const RestInput& input) noexcept {
@@ -69,7 +69,7 @@ void Rest::advance(const RestInput& input, const Eigen::Vector3d& velocity) noex
 
 void Rest::meet(const RestInput& input) noexcept {
   const double beside = (input.p_WE - input.p_WB).head<2>().norm();
-  const double top = input.p_WB.z() + model_.ball_radius + model_.end_effector_radius;
+  const double top = input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius;
   const bool near = gap(input) < kNearGap && beside < kNearBeside;
   from_above_ = beside < kAbove && input.p_WE.z() > top + 0.5 * kHover &&
                 input.p_WE.z() < top + 2.0 * kHover;
@@ -99,7 +99,7 @@ void Rest::touch(const RestInput& input) noexcept {
   if (input.now - still_since_ >= kStoppedTime) {
     enter(Stage::kBrake, input.now);
   } else if (input.p_WE.z() <
-             input.p_WB.z() + model_.ball_radius + model_.end_effector_radius - kMissed) {
+             input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius - kMissed) {
     enter(input.seen ? Stage::kMeet : Stage::kFailed, input.now);
     press_ = 0.0;
   }

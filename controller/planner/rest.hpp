@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "controller/model/ball_model.hpp"
+#include "controller/planner/parameters.hpp"
 
 namespace c3rt::planner {
 
@@ -29,7 +29,7 @@ class Rest {
   enum class Stage { kMeet, kTouch, kBrake, kStand, kCarry, kRelease, kRise, kLeft, kFailed };
 
   /// @param leash the reference waits for an arm that is farther behind [m]
-  Rest(const model::BallModelParameters& model, double leash);
+  Rest(const Geometry& geometry, double leash);
 
   /// Anew from here, at the end effector's speed.
   void begin(const RestInput& input) noexcept;
@@ -52,7 +52,7 @@ class Rest {
   bool carry(const RestInput& input) noexcept;
   double gap(const RestInput& input) const noexcept;
 
-  model::BallModelParameters model_;
+  Geometry geometry_;
   double leash_;
   Stage stage_ = Stage::kLeft;
   double since_ = 0.0;        // of the stage [s]

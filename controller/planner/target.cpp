@@ -81,7 +81,7 @@ TargetVerdict check_point(const PointTarget& target, const TargetLimits& limits)
 
 TargetLimits target_limits(const Parameters& parameters) {
   const ApproachParameters& reach = parameters.approach;
-  return {parameters.balls,
+  return {parameters.model.bodies,
           {reach.reach_min.x() + kMargin, reach.reach_max.x() - kMargin},
           {reach.reach_min.y() + kMargin, reach.reach_max.y() - kMargin},
           kRadius,

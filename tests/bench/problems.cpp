@@ -95,11 +95,11 @@ Problem one_ball_anitescu() {
       0.01, rolling_ball::kPointRadius, 0.132, rolling_ball::kBallRadius, 0.0, 1.0, 1.0};
   for (State& state : p.states) {
     const VectorXd& x = state.x0;
-    const model::BallState ball{
-        x.segment<3>(L::p_WE),     Eigen::Quaterniond(x[3], x[4], x[5], x[6]),
-        x.segment<3>(L::p_WB),     x.segment<3>(L::v_WE),
-        x.segment<3>(L::omega_WB), x.segment<3>(L::v_WB)};
-    state.lcs = model::anitescu(model::ball_contact_system(parameters, ball), 0.1);
+    scene::Scene scene;
+    scene.effector = {x.segment<3>(L::p_WE), x.segment<3>(L::v_WE)};
+    scene.body(0) = {x.segment<3>(L::p_WB), Eigen::Quaterniond(x[3], x[4], x[5], x[6]),
+                     x.segment<3>(L::v_WB), x.segment<3>(L::omega_WB)};
+    state.lcs = model::anitescu(model::ball_contact_system(parameters, scene), 0.1);
     lcs::scale_forces(state.lcs, lcs::force_scale(state.lcs));
   }
   return p;

@@ -175,11 +175,12 @@ TEST_CASE("scenario: several balls have weights, contacts and friction of their 
     return "";
   };
   const auto planner = load_scenario(kFolder + "two_balls.yaml").planner;
-  CHECK(planner.balls == 2);
-  CHECK(planner.pairs.size() == 3);
-  REQUIRE(planner.roll.Q_ball_xy.size() == 2);
+  CHECK(planner.model.kind == "rolling_balls");
+  CHECK(planner.model.bodies == 2);
+  CHECK(planner.model.pairs == std::set<std::string>{"ball_ball", "end_effector_ball"});
+  REQUIRE(planner.roll.Q.at("ball_xy").size() == 2);
   CHECK(load_scenario(kFolder + "two_balls.yaml", {"planner.weights.roll.Q.ball_xy=7"})
-            .planner.roll.Q_ball_xy == std::vector<double>{7.0, 7.0});
+            .planner.roll.Q.at("ball_xy") == std::vector<double>{7.0, 7.0});
   CHECK_THAT(error({"planner.weights.roll.Q.ball_xy=[1, 2, 3]"}),
              Contains("planner.weights.roll.Q.ball_xy: expected a list of 2 numbers"));
   CHECK_THAT(error({"planner.weights.roll.Q.ball_xy=heavy"}),

@@ -135,18 +135,23 @@ int main() {
   show(found.plan->x);
 
   // fixed-size members
-  std::vector<model::BallState> states(3);
-  for (model::BallState& state : states) {
-    state.p_WE = {0.1, 0.2, 0.3};
-    state.q_WB = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
-    state.p_WB = {0.4, 0.5, 0.6};
-    state.v_WE = {1.0, 2.0, 3.0};
-    state.omega_WB = {4.0, 5.0, 6.0};
-    state.v_WB = {7.0, 8.0, 9.0};
-    state.a_WB = Eigen::Vector2d(10.0, 11.0);
-    show(model::to_vector(state));
+  std::vector<scene::Scene> scenes(3);
+  for (scene::Scene& scene : scenes) {
+    scene::Body& ball = scene.body(0);
+    scene.effector.p_WE = {0.1, 0.2, 0.3};
+    ball.q_WB = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
+    ball.p_WB = {0.4, 0.5, 0.6};
+    scene.effector.v_WE = {1.0, 2.0, 3.0};
+    ball.omega_WB = {4.0, 5.0, 6.0};
+    ball.v_WB = {7.0, 8.0, 9.0};
+    ball.a_WB = Eigen::Vector2d(10.0, 11.0);
+    show(model::ball_state(scene));
   }
-  show(model::contact_force({0.0, 0.0, 1.0}, 2.0, {0.1, 0.2, 0.3, 0.4}));
+  const std::unique_ptr<model::PlanningModel> rolling =
+      model::make_rolling_ball({0.01, 0.0195, 0.132, 0.0315, 0.0, 1.0, 1.0});
+  const model::ContactSystem contacts = rolling->contact_system(scenes[0], {0, 1});
+  show(contacts.J_t);
+  show(model::force_on_end_effector(rolling->layout(), contacts, VectorXd::Ones(12)));
   Still still;
   example::Plant& plant = still;
   plant.reset(x0);

@@ -43,7 +43,7 @@ TEST_CASE("the tool hangs above the table where the paper's start pose puts it")
 TEST_CASE("a resting ball sinks less than 0.1 mm into the table") {
   Plant plant(test_parameters());
   run(plant, 2000);
-  const BallState& ball = plant.state().balls[0];
+  const scene::Body& ball = plant.state().balls[0];
   const double depth = 0.0315 - (ball.p_WB.z() + 0.0245);
   CAPTURE(depth);
   CHECK(depth > 0);
@@ -65,12 +65,12 @@ TEST_CASE(
   const double start = -plant.state().balls[0].v_WB.y();
   CHECK(start == Approx(0.1).epsilon(0.02));
   run(plant, 2000);
-  const BallState& ball = plant.state().balls[0];
+  const scene::Body& ball = plant.state().balls[0];
   const double end = -ball.v_WB.y();
   CAPTURE(start, end);
   CHECK(end > 0.9 * start);
   CHECK(end < 1.001 * start);
-  CHECK(ball.omega.x() * 0.0315 == Approx(end).epsilon(0.01));
+  CHECK(ball.omega_WB.x() * 0.0315 == Approx(end).epsilon(0.01));
   CHECK(ball.p_WB.x() == Approx(0.55).margin(1e-4));
 }
 

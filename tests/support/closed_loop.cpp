@@ -126,14 +126,14 @@ void ClosedLoop::plan_now() {
   input.state_age = 1e-9 * static_cast<double>(now_ns_ - state_ns_);
   input.stopped = stopped_;
   input.robot_follows = state.mode == plant::Mode::kMove && output_.mode == impedance::Mode::kTrack;
-  input.p_WE = arm_state_.X_WE.translation();
-  if (nan_state) input.p_WE.x() = std::nan("");
-  input.v_WE = arm_state_.V_WE.head<3>();
+  input.effector.p_WE = arm_state_.X_WE.translation();
+  if (nan_state) input.effector.p_WE.x() = std::nan("");
+  input.effector.v_WE = arm_state_.V_WE.head<3>();
   for (std::size_t i = 0; i < newest_estimates_.size(); ++i) {
     const vision::Estimate& seen = newest_estimates_[i];
-    input.balls[i] = {seen.valid,
-                      1e-9 * static_cast<double>(now_ns_ - seen.exposure_ns),
-                      {seen.p_WB, seen.v_WB, seen.omega_WB, seen.q_WB}};
+    input.bodies[i] = {seen.valid,
+                       1e-9 * static_cast<double>(now_ns_ - seen.exposure_ns),
+                       {seen.p_WB, seen.q_WB, seen.v_WB, seen.omega_WB}};
   }
   input.target = target_;
   input.solve_time = scenario_.timing.solve_time_s;

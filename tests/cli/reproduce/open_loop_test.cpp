@@ -19,18 +19,16 @@ config::Scenario slow() {
 /// The end effector on the ball, which rests and is wanted 2 cm further along.
 Question resting(const config::Scenario& scenario) {
   const planner::Parameters& p = scenario.planner;
-  const double height = p.model.table_height + p.model.ball_radius;
-  const double touching = height + p.model.ball_radius + p.model.end_effector_radius;
+  const double height = p.geometry.table_height + p.geometry.ball_radius;
+  const double touching = height + p.geometry.ball_radius + p.geometry.end_effector_radius;
   Question question{};
   question.rolling = true;
-  planner::Scene& scene = question.scene;
-  scene.ball_count = 1;
-  scene.balls[0] = {Vector3d(0.55, 0.1, height), Vector3d::Zero(), Vector3d::Zero(),
-                    Eigen::Quaterniond::Identity()};
-  scene.p_WE = Vector3d(0.55, 0.1, touching);
-  scene.v_WE.setZero();
-  planner::Scene desired = scene;
-  desired.balls[0].p_WB.x() += 0.02;
+  scene::Scene& scene = question.scene;
+  scene.body_count = 1;
+  scene.body(0).p_WB = {0.55, 0.1, height};
+  scene.effector.p_WE = {0.55, 0.1, touching};
+  scene::Scene desired = scene;
+  desired.body(0).p_WB.x() += 0.02;
   question.desired.assign(static_cast<std::size_t>(p.N) + 1, desired);
   return question;
 }
@@ -51,7 +49,7 @@ TEST_CASE("no inputs are better than those of the monolithic problem, where it i
   CHECK(best.costs[0] <= c3.costs[0] * (1.0 + 2e-4));  // the gap that it is proven to
   CHECK(best.costs[0] > 0.0);
   // it beats doing nothing by far: the ball is brought along
-  const double left_alone = (scenario.planner.N + 1) * scenario.planner.roll.Q_ball_xy[0] * 4e-4;
+  const double left_alone = (scenario.planner.N + 1) * scenario.planner.roll.Q.at("ball_xy")[0] * 4e-4;
   CHECK(best.costs[0] < 0.9 * left_alone);
 }
 
@@ -65,11 +63,8 @@ TEST_CASE("an answer is judged by what the system does, whatever the projection 
   // twice the weights of everything: the same inputs, twice the cost
   config::Scenario judge = scenario;
   for (planner::PhaseWeights* weights : {&judge.planner.roll, &judge.planner.back}) {
-    weights->Q_end_effector *= 2.0;
-    weights->Q_end_effector_velocity *= 2.0;
-    weights->Q_ball_xy[0] *= 2.0;
-    weights->Q_ball_z *= 2.0;
-    weights->Q_ball_velocity *= 2.0;
+    for (auto& [name, of_bodies] : weights->Q)
+      for (double& weight : of_bodies) weight *= 2.0;
     weights->R *= 2.0;
   }
   CHECK(answer_with_c3(asked, scenario, judge).costs[0] == Approx(2.0 * first.costs[0]));

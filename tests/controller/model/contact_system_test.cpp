@@ -48,18 +48,19 @@ lcs::Simulation one_step(const lcs::Lcs& lcs, const VectorXd& x, const VectorXd&
 
 VectorXd state(const Vector3d& p, const Vector3d& v) { return (VectorXd(6) << p, v).finished(); }
 
-model::BallState random_ball_state(support::Random& random, double height) {
-  model::BallState ball{};
+scene::Scene random_ball_state(support::Random& random, double height) {
+  scene::Scene scene;
+  scene::Body& ball = scene.body(0);
   ball.p_WB = Vector3d(0.5, 0.1, 0.0315 + height);
   const Vector3d direction(random.uniform(), random.uniform(), random.uniform(0.2, 1.0));
-  ball.p_WE =
+  scene.effector.p_WE =
       ball.p_WB + (0.0195 + 0.0315 + random.uniform(-0.002, 0.002)) * direction.normalized();
   ball.q_WB =
       Eigen::Quaterniond(1.5, random.uniform(), random.uniform(), random.uniform()).normalized();
-  ball.v_WE = random.vector(3);
+  scene.effector.v_WE = random.vector(3);
   ball.omega_WB = 3.0 * random.vector(3);
   ball.v_WB = 0.3 * random.vector(3);
-  return ball;
+  return scene;
 }
 
 // the cart-pole without the small angles: inverse mass matrix, gravity and centrifugal force
@@ -142,9 +143,9 @@ TEST_CASE("anitescu: without friction the next state is Stewart and Trinkle's") 
   const double dt = 0.02;
   int touching = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const model::BallState at = random_ball_state(random, random.uniform(-0.001, 0.002));
+    const scene::Scene at = random_ball_state(random, random.uniform(-0.001, 0.002));
     const model::ContactSystem system = model::ball_contact_system(ball, at);
-    const VectorXd x = model::to_vector(at), u = 0.3 * random.vector(3);
+    const VectorXd x = VectorXd(model::ball_state(at)), u = 0.3 * random.vector(3);
     const lcs::Simulation expected = one_step(model::stewart_trinkle(system, dt), x, u);
     const lcs::Simulation next = one_step(model::anitescu(system, dt), x, u);
     CHECK((next.x - expected.x).norm() < 1e-7);

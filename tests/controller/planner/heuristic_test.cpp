@@ -7,6 +7,7 @@
 
 #include "controller/planner/planner.hpp"
 
+using namespace c3rt;
 using namespace c3rt::planner;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -15,7 +16,7 @@ namespace {
 const HeuristicParameters kHeuristic{1.0,  0.5,  0.004, 0.02, {0.0951, 0.0911, 0.0691},
                                      0.0,  0.01, 0.03,  0.0,  false,
                                      10.0, 1.0,  1.0,   0.03, 0.1};
-const c3rt::model::BallModelParameters kModel{0.01, 0.0195, 0.132, 0.0315, -0.0245, 1.0, 1.0};
+const Geometry kGeometry{0.0195, 0.0315, -0.0245};
 }  // namespace
 
 TEST_CASE(
@@ -34,7 +35,7 @@ TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind 
   const Vector3d end_effector(0.5, 0.05, 0.06), ball(0.55, 0.1, 0.007);
   const Vector2d target(0.55 + 0.1, 0.1);  // straight along +x
   const auto at = [&](Phase phase) {
-    return end_effector_target(kHeuristic, kModel, phase, end_effector, ball, target);
+    return end_effector_target(kHeuristic, kGeometry, phase, end_effector, ball, target);
   };
   CHECK((at(Phase::kRoll) - Vector3d(0.55, 0.1, 0.062)).norm() < 1e-12);  // FIGURES 4.6
   CHECK((at(Phase::kReturnUp) - Vector3d(0.5, 0.05, 0.0951 - 0.0245)).norm() < 1e-12);
@@ -45,7 +46,7 @@ TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind 
 TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
   const Vector3d ball(0.55, 0.1, 0.007);
   const Vector3d target =
-      end_effector_target(kHeuristic, kModel, Phase::kReturnDown, ball, ball, ball.head<2>());
+      end_effector_target(kHeuristic, kGeometry, Phase::kReturnDown, ball, ball, ball.head<2>());
   CHECK(target.allFinite());
 }
 
@@ -95,18 +96,17 @@ TEST_CASE("planner mode: what comes next in every situation") {
 namespace {
 const LineTask kLine{0.55, -0.01, -0.1, 0.08};
 
-Scene balls_at(const std::vector<Vector2d>& places) {
-  Scene scene{};
-  scene.ball_count = static_cast<int>(places.size());
-  for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+scene::Scene balls_at(const std::vector<Vector2d>& places) {
+  scene::Scene scene;
+  scene.body_count = static_cast<int>(places.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Vector2d at = i < places.size() ? places[i] : Vector2d::Zero();
-    scene.balls[i] = {
-        {at.x(), at.y(), 0.0}, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()};
+    scene.bodies[i].p_WB << at, 0.0;
   }
   return scene;
 }
 
-int choice(const Scene& scene, int now) { return ball_to_work_on(kHeuristic, kLine, scene, now); }
+int choice(const scene::Scene& scene, int now) { return ball_to_work_on(kHeuristic, kLine, scene, now); }
 }  // namespace
 
 TEST_CASE("heuristic: along a line the ball that is farthest behind is worked on") {
@@ -135,17 +135,17 @@ TEST_CASE("heuristic: a ball at its place is not in the way of the one behind it
 TEST_CASE("heuristic: a ball that strays from the line or rolls past its place is looked after") {
   // places at -0.11 and -0.19: of the first two the other is nearly there
   CHECK(choice(balls_at({{0.55, -0.10}, {0.64, -0.19}}), 0) == 1);
-  Scene runaway = balls_at({{0.55, -0.10}, {0.55, -0.21}});
+  scene::Scene runaway = balls_at({{0.55, -0.10}, {0.55, -0.21}});
   CHECK(choice(runaway, 0) == 0);
-  runaway.balls[1].v_WB.y() = -0.1;
+  runaway.body(1).v_WB.y() = -0.1;
   CHECK(choice(runaway, 0) == 1);
 }
 
 TEST_CASE("heuristic: a change of balls has to be worth it") {
   // the places are 80 mm apart: ways of 0.21 and 0.35 m, of which 0.12 m beside the line
-  const Scene scene = balls_at({{0.55, 0.1}, {0.67, 0.04}});
+  const scene::Scene scene = balls_at({{0.55, 0.1}, {0.67, 0.04}});
   CHECK(choice(scene, 0) == 1);
-  const Scene alike = balls_at({{0.55, 0.1}, {0.56, 0.0}});  // 0.21 and 0.20 m
+  const scene::Scene alike = balls_at({{0.55, 0.1}, {0.56, 0.0}});  // 0.21 and 0.20 m
   CHECK(choice(alike, 0) == 0);
   CHECK(choice(alike, 1) == 1);
 }

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "config/scenario.hpp"
+#include "controller/model/ball_model.hpp"
 
 using namespace c3rt;
 using namespace c3rt::planner;
@@ -26,10 +27,9 @@ Input input_at(double now, const Vector3d& p_WE) {
   Input input{};
   input.now = now;
   input.state_age = 0.0;
-  input.p_WE = p_WE;
-  input.v_WE.setZero();
-  input.balls[0] = {
-      true, 0.0, {kBall, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()}};
+  input.effector.p_WE = p_WE;
+  input.effector.v_WE.setZero();
+  input.bodies[0] = {true, 0.0, {kBall}};
   input.solve_time = 0.002;
   return input;
 }
@@ -39,7 +39,7 @@ struct Follower {
   explicit Follower(const Parameters& p) : planner(p), period(1.0 / p.rate) {}
   const Plan& step() {
     Input input = input_at(now, p_WE);
-    input.v_WE = v_WE;
+    input.effector.v_WE = v_WE;
     const Plan& plan = planner.step(input);
     now += period;
     p_WE = plan.p_WE;
@@ -79,7 +79,7 @@ TEST_CASE(
     "ball") {
   const Parameters p = parameters();
   Follower follower(p);
-  const double touching = p.model.ball_radius + p.model.end_effector_radius;
+  const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
   Vector3d previous = follower.p_WE;
   double highest = 0.0;
   int periods = 0;
@@ -91,7 +91,7 @@ TEST_CASE(
     highest = std::max(highest, follower.p_WE.z());
   }
   CHECK(highest ==
-        Approx(p.model.table_height + p.approach.safe_height).margin(p.approach.tolerance));
+        Approx(p.geometry.table_height + p.approach.safe_height).margin(p.approach.tolerance));
   CHECK((previous - Vector3d(kBall + Vector3d(0, 0, p.approach.start_height))).norm() <
         p.approach.tolerance);
 }
@@ -102,7 +102,7 @@ TEST_CASE(
   p.heuristic.return_gap = 0.005;
   Planner planner(p);
   double now = 0.0;
-  const double touching = p.model.ball_radius + p.model.end_effector_radius;
+  const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
   // the end effector straight above the ball with a gap between them
   const auto mode_with_gap = [&](double gap) {
     const Vector3d p_WE = kBall + Vector3d(0.0, 0.0, touching + gap);
@@ -133,7 +133,7 @@ TEST_CASE(
   for (int i = 0; i < 600; ++i) {
     Input input = input_at(follower.now, where);
     follower.now += follower.period;
-    input.balls[0].seen = false;
+    input.bodies[0].seen = false;
     const Plan& plan = follower.planner.step(input);
     held = held || plan.mode == Mode::kHold;
     REQUIRE(plan.mode == (held ? Mode::kHold : Mode::kRest));
@@ -144,7 +144,7 @@ TEST_CASE(
     CHECK((plan.p_WE - where).norm() <= p.approach.speed * follower.period + 1e-12);
     where = plan.p_WE;
   }
-  CHECK(where.z() == Approx(p.model.table_height + p.approach.safe_height));
+  CHECK(where.z() == Approx(p.geometry.table_height + p.approach.safe_height));
   CHECK(follower.planner.counters().ball_lost == 1);
   CHECK(follower.planner.step(input_at(follower.now, where)).mode == Mode::kApproach);
 }
@@ -152,7 +152,7 @@ TEST_CASE(
 TEST_CASE("planner: a ball out of reach is waited for, not followed") {
   Planner planner(parameters());
   Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
-  input.balls[0].ball.p_WB.x() = 0.9;
+  input.bodies[0].body.p_WB.x() = 0.9;
   CHECK(planner.step(input).mode == Mode::kHold);
   CHECK(planner.step(input_at(0.1, Vector3d(0.55, 0.0, 0.1))).mode == Mode::kApproach);
 }
@@ -161,7 +161,7 @@ TEST_CASE("planner: numbers that are not finite count as not there") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Planner planner(parameters());
   Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
-  input.balls[0].ball.v_WB.x() = nan;
+  input.bodies[0].body.v_WB.x() = nan;
   CHECK(planner.step(input).mode == Mode::kHold);
   input = input_at(0.1, Vector3d(0.55, 0.0, nan));
   const Plan& plan = planner.step(input);
@@ -197,10 +197,10 @@ TEST_CASE("planner: an end effector that slips off the ball returns at once, and
   Input input = input_at(follower.now, above + Vector3d(0.9 * p.heuristic.roll_reach, 0.0, 0.0));
   CHECK(follower.planner.step(input).mode == Mode::kRoll);
   input.now += follower.period;
-  input.p_WE = above + Vector3d(1.1 * p.heuristic.roll_reach, 0.0, -0.02);
+  input.effector.p_WE = above + Vector3d(1.1 * p.heuristic.roll_reach, 0.0, -0.02);
   CHECK(follower.planner.step(input).mode == Mode::kReturn);
   // a whole Phase II, then the next Phase I
-  input.p_WE = above;
+  input.effector.p_WE = above;
   const double slipped = input.now;
   while (input.now < slipped + p.heuristic.return_duration - 2.0 * follower.period) {
     input.now += follower.period;
@@ -238,7 +238,7 @@ TEST_CASE("planner: the arm presses on the ball throughout Phase I, and only the
   int rolled = 0, returned = 0;
   for (int i = 0; i < 3000 && (rolled < 50 || returned < 50); ++i) {
     Input input = input_at(follower.now, follower.p_WE);
-    input.v_WE = follower.v_WE;
+    input.effector.v_WE = follower.v_WE;
     const Plan plain = without.step(input);
     const Plan& plan = follower.step();
     REQUIRE(plan.mode == plain.mode);
@@ -264,7 +264,7 @@ TEST_CASE("planner: the plan for the next instant respects the contact") {
     CHECK(plan.lambda_d[L::normal_end_effector] >= 0.0);
     CHECK(plan.lambda_d[L::normal_table] >= 0.0);
     const double gap =
-        (plan.p_WE - kBall).norm() - p.model.ball_radius - p.model.end_effector_radius;
+        (plan.p_WE - kBall).norm() - p.geometry.ball_radius - p.geometry.end_effector_radius;
     if (gap > 2e-3) CHECK(plan.lambda_d[L::normal_end_effector] == Approx(0.0).margin(1e-9));
   }
 }
@@ -369,8 +369,7 @@ TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G 
     for (PhaseWeights* weights : {&p.roll, &p.back}) {
       weights->plus_g_lambda = g_lambda;
       weights->plus_g_eta.slip = g_eta_slip;
-      weights->G_gamma = weights->G_end_effector_normal = weights->G_end_effector_tangential =
-          weights->G_table_normal = weights->G_table_tangential = G_all;
+      for (auto& [name, weight] : weights->G_lambda) weight = G_all;
     }
     Follower follower(p);
     REQUIRE(follower.until(Mode::kRoll, 2000));
@@ -388,7 +387,7 @@ TEST_CASE("planner: a ball far from its path is brought back by targets near by"
   Planner planner(p);
   Input input = input_at(0.0, Vector3d(0.55, 0.0, 0.1));
   const Eigen::Vector2d far(0.55, 0.2);
-  input.balls[0].ball.p_WB.head<2>() = far;
+  input.bodies[0].body.p_WB.head<2>() = far;
   const Plan& plan = planner.step(input);
   REQUIRE(plan.mode == Mode::kApproach);
   CHECK((plan.ball_target.head<2>() - far).norm() == Approx(0.045));
@@ -406,8 +405,8 @@ TEST_CASE("planner: where the table is lower below the ball, the whole plan is l
     Follower follower(p);
     REQUIRE(follower.until(Mode::kRoll, 2000));
     Input input = input_at(follower.now, follower.p_WE + offset);
-    input.v_WE = follower.v_WE;
-    input.balls[0].ball.p_WB += offset;
+    input.effector.v_WE = follower.v_WE;
+    input.bodies[0].body.p_WB += offset;
     return follower.planner.step(input);
   };
   const Plan level = plan_at(Vector3d::Zero()), low = plan_at(lower);
@@ -423,9 +422,9 @@ TEST_CASE(
     p.table_below_ball = true;
     Follower follower(p);
     REQUIRE(follower.until(Mode::kRoll, 2000));
-    const double touching = p.model.ball_radius + p.model.end_effector_radius;
+    const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
     Input input = input_at(follower.now, kBall + touching * Vector3d::UnitZ());
-    input.balls[0].ball.p_WB.z() += too_high;
+    input.bodies[0].body.p_WB.z() += too_high;
     return follower.planner.step(input).p_WE.z();
   };
   CHECK(planned_height(1e-4) < planned_height(0.0) - 3e-5);
@@ -443,11 +442,10 @@ Parameters several(const std::string& name, const std::vector<std::string>& over
 /// Balls at rest 0.12 m apart on the line, so that none is in another's way.
 Input balls_input(const Parameters& p, double now, const Vector3d& p_WE, const Vector3d& v_WE) {
   Input input = input_at(now, p_WE);
-  input.v_WE = v_WE;
-  for (int i = 0; i < p.balls; ++i) {
-    const Vector3d at(0.55, 0.1 - 0.12 * i, p.model.table_height + p.model.ball_radius);
-    input.balls[static_cast<std::size_t>(i)] = {
-        true, 0.0, {at, Vector3d::Zero(), Vector3d::Zero(), Eigen::Quaterniond::Identity()}};
+  input.effector.v_WE = v_WE;
+  for (int i = 0; i < p.model.bodies; ++i) {
+    const Vector3d at(0.55, 0.1 - 0.12 * i, p.geometry.table_height + p.geometry.ball_radius);
+    input.bodies[static_cast<std::size_t>(i)] = {true, 0.0, {at}};
   }
   return input;
 }
@@ -507,14 +505,14 @@ TEST_CASE("planner: one lost ball of several makes it hold, whichever it is") {
     Input input = balls_input(p, 0.0, {0.55, 0.1, 0.1}, Vector3d::Zero());
     CHECK(planner.step(input).mode == Mode::kApproach);
     input.now = 0.02;
-    input.balls[lost].seen = false;
+    input.bodies[lost].seen = false;
     CHECK(planner.step(input).mode == Mode::kHold);
     input.now = 0.04;
-    input.balls[lost].seen = true;
-    input.balls[lost].ball.p_WB.x() = 0.9;  // out of reach
+    input.bodies[lost].seen = true;
+    input.bodies[lost].body.p_WB.x() = 0.9;  // out of reach
     CHECK(planner.step(input).mode == Mode::kHold);
     input.now = 0.06;
-    input.balls[lost].ball.p_WB.x() = 0.55;
+    input.bodies[lost].body.p_WB.x() = 0.55;
     CHECK(planner.step(input).mode == Mode::kApproach);
   }
 }

@@ -1,0 +1,36 @@
+#include "controller/model/registry.hpp"
+
+#include <stdexcept>
+
+#include "controller/model/ball_model.hpp"
+#include "controller/model/balls_model.hpp"
+
+namespace c3rt::model {
+
+double ModelValues::operator[](const std::string& key) const {
+  const auto found = values_.find(key);
+  if (found == values_.end())
+    throw std::out_of_range("planning model: expected a value of " + key + ", got none");
+  return found->second;
+}
+
+const std::vector<ModelKind>& model_kinds() {
+  static const std::vector<ModelKind> kinds{rolling_ball_kind(), rolling_balls_kind()};
+  return kinds;
+}
+
+const ModelKind& model_kind(const std::string& name) {
+  std::string known;
+  for (const ModelKind& kind : model_kinds()) {
+    if (kind.name == name) return kind;
+    known += (known.empty() ? "" : ", ") + kind.name;
+  }
+  throw std::invalid_argument("planning model: expected one of " + known + ", got \"" + name +
+                              "\"");
+}
+
+const ModelKind& default_model_kind(int bodies) {
+  return model_kind(bodies == 1 ? "rolling_ball" : "rolling_balls");
+}
+
+}  // namespace c3rt::model

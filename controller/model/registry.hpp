@@ -1,0 +1,44 @@
+#pragma once
+// The planning models by name: a new one is a file of its own and one line in registry.cpp.
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/model/planning_model.hpp"
+
+namespace c3rt::model {
+
+/// One number that a model is made from, as a scenario names it, and what it may be.
+struct ModelKey {
+  std::string name;
+  double min, max;
+};
+
+/// The numbers of a scenario by their keys.
+class ModelValues {
+ public:
+  void set(const std::string& key, double value) { values_[key] = value; }
+  /// @throws std::out_of_range naming a key that is not there
+  double operator[](const std::string& key) const;
+
+ private:
+  std::map<std::string, double> values_;
+};
+
+struct ModelKind {
+  std::string name;
+  int min_bodies, max_bodies;  // of a scene that it can be of
+  std::vector<ModelKey> keys;
+  std::unique_ptr<PlanningModel> (*make)(const ModelValues& values, int bodies);
+};
+
+const std::vector<ModelKind>& model_kinds();
+
+/// @throws std::invalid_argument naming the kinds that there are
+const ModelKind& model_kind(const std::string& name);
+
+/// The kind for so many bodies where a scenario names none.
+const ModelKind& default_model_kind(int bodies);
+
+}  // namespace c3rt::model

@@ -1,0 +1,103 @@
+#include "controller/planner/weights.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace c3rt::planner {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+template <typename Value>
+const Value& named(const std::map<std::string, Value>& weights, const std::string& name) {
+  const auto found = weights.find(name);
+  if (found == weights.end())
+    throw std::out_of_range("weights: expected one of " + name + ", got none");
+  return found->second;
+}
+
+VectorXd Q_of_x(const model::Layout& layout, const PhaseWeights& weights, int active) {
+  VectorXd Q = VectorXd::Zero(layout.n_x);
+  for (const model::StateBlock& block : layout.x) {
+    if (block.name.empty()) continue;
+    const std::vector<double>& of_bodies = named(weights.Q, block.name);
+    // the active body has the first, the first body that of the active one
+    const int turn = block.body == active ? 0 : block.body == 0 ? active : block.body;
+    const bool alike = of_bodies.size() == 1;
+    Q.segment(block.start, block.size)
+        .setConstant(of_bodies.at(alike ? 0 : static_cast<std::size_t>(turn)));
+  }
+  return Q;
+}
+
+VectorXd G_of_lambda(const PlanningProblem& problem, const PhaseWeights& weights) {
+  const model::LambdaLayout lambda = problem.lambda();
+  VectorXd G(lambda.size());
+  for (int i = 0; i < static_cast<int>(problem.contacts.size()); ++i) {
+    const int contact = problem.contacts[static_cast<std::size_t>(i)];
+    const std::string& kind = problem.layout->contacts[static_cast<std::size_t>(contact)].weight;
+    if (lambda.has_normal()) {
+      G[lambda.gamma(i)] = named(weights.G_lambda, "gamma");
+      G[lambda.normal(i)] = named(weights.G_lambda, kind + "_normal");
+    }
+    G.segment(lambda.edges(i), lambda.edge_count())
+        .setConstant(named(weights.G_lambda, kind + "_tangential"));
+  }
+  return G;
+}
+
+VectorXd of_rows(const PhaseWeights::Rows& rows, const model::LambdaLayout& lambda) {
+  VectorXd result(lambda.size());
+  for (int i = 0; i < lambda.size(); ++i) {
+    const model::Row row = lambda.row(i);
+    result[i] = row == model::Row::kCone       ? rows.cone
+                : row == model::Row::kDistance ? rows.distance
+                                               : rows.slip;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> lambda_weights(const model::Layout& layout) {
+  std::vector<std::string> names{"gamma"};
+  for (const model::ModelContact& contact : layout.contacts) {
+    const std::string normal = contact.weight + "_normal";
+    if (std::find(names.begin(), names.end(), normal) != names.end()) continue;
+    names.push_back(normal);
+    names.push_back(contact.weight + "_tangential");
+  }
+  return names;
+}
+
+c3::Costs costs_of(const PlanningProblem& problem, const PhaseWeights& weights, int active) {
+  const int n_x = problem.layout->n_x, n_u = problem.layout->n_u;
+  const model::LambdaLayout lambda = problem.lambda();
+  const int n_lambda = lambda.size(), n_z = n_x + n_lambda + n_u;
+  const VectorXd Q = Q_of_x(*problem.layout, weights, active);
+  const VectorXd G_lambda = G_of_lambda(problem, weights);
+
+  VectorXd G(n_z), U(n_z);
+  G << VectorXd::Constant(n_x, weights.G_x), G_lambda, VectorXd::Constant(n_u, weights.G_u);
+  U << VectorXd::Constant(n_x, weights.U_x), VectorXd::Constant(n_lambda, weights.U_lambda),
+      VectorXd::Constant(n_u, weights.U_u);
+
+  c3::Costs costs;
+  costs.Q = Q.asDiagonal();
+  costs.Q_N = Q.asDiagonal();
+  costs.R = weights.R * MatrixXd::Identity(n_u, n_u);
+  costs.G = G.asDiagonal();
+  if (weights.U_x > 0.0) costs.U = U.asDiagonal();  // else the projection has no use for it
+  costs.convex = {weights.U_x * MatrixXd::Identity(n_x, n_x),
+                  weights.U_u * MatrixXd::Identity(n_u, n_u), weights.convex_alpha,
+                  weights.convex_epsilon};
+  costs.plus.g_lambda = weights.plus_g_lambda ? VectorXd::Constant(n_lambda, *weights.plus_g_lambda)
+                                              : G_lambda;
+  costs.plus.u_lambda.setConstant(n_lambda, weights.plus_u_lambda);
+  costs.plus.g_eta = of_rows(weights.plus_g_eta, lambda);
+  costs.plus.u_eta = of_rows(weights.plus_u_eta, lambda);
+  return costs;
+}
+
+}  // namespace c3rt::planner

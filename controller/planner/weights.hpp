@@ -1,0 +1,51 @@
+#pragma once
+// What Algorithm 1 weighs, by the names of the model's blocks.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/c3/problem.hpp"
+#include "controller/model/contact_model.hpp"
+#include "controller/model/planning_model.hpp"
+
+namespace c3rt::planner {
+
+/// Diagonal weights of one phase. G and U act on the scaled forces (docs/math.md).
+struct PhaseWeights {
+  // by block of x: one for all bodies, or that of the active body and those of the others
+  std::map<std::string, std::vector<double>> Q;
+  double R;
+  double G_x, G_u;
+  std::map<std::string, double> G_lambda;  // by the names of lambda_weights()
+  double U_x, U_lambda, U_u;
+  // projections that need more; the convex one weighs x and u by U_x and U_u
+  double convex_alpha, convex_epsilon;
+  std::optional<double> plus_g_lambda;  // none: G of λ, contact by contact
+  double plus_u_lambda;
+  struct Rows {  // C3+'s η by row: of the friction cone, of the distance, of the slip
+    double cone, distance, slip;
+  } plus_g_eta, plus_u_eta;
+};
+
+/// The names of λ's weights for all contacts of a model: "gamma", then "…_normal" and
+/// "…_tangential" of each kind of contact.
+std::vector<std::string> lambda_weights(const model::Layout& layout);
+
+/// The planning problem of a scenario: a model with the contacts that it plans with.
+struct PlanningProblem {
+  const model::Layout* layout;
+  std::vector<int> contacts;  // of the layout, in the order of λ
+  model::ContactModel contact_model;
+
+  model::LambdaLayout lambda() const noexcept {
+    return {contact_model, static_cast<int>(contacts.size()), layout->n_e};
+  }
+};
+
+/// The costs of Algorithm 1 in one phase.
+/// @param active the body that is worked on: it and the first one change their weights
+/// @throws std::out_of_range if a block or a contact has no weight (named)
+c3::Costs costs_of(const PlanningProblem& problem, const PhaseWeights& weights, int active = 0);
+
+}  // namespace c3rt::planner
