@@ -91,6 +91,28 @@ TEST_CASE("service: a robot that stopped for a death is recovered, one that a pe
   CHECK((plant_says("reflex: of the stub") || plant_says("stopped by a person")));
 }
 
+TEST_CASE("service: a planner that is started again is told the last target that was taken") {
+  const Service service;
+  REQUIRE(service.up().status == 0);
+  const auto planner_says = [&](const std::string& text) {
+    return eventually([&] {
+      return service.c3rt("status" + service.on_domain()).output.find(text) != std::string::npos;
+    });
+  };
+  const std::string taken = "a stub, told target 2 with radius 0.080000";
+  REQUIRE(service.c3rt("target circle --center 0.55 0 --radius 0.08" + service.on_domain()).status == 0);
+  REQUIRE(planner_says(taken));
+  // refused, so not the last that was taken
+  REQUIRE(service.c3rt("target point 0.55 0" + service.on_domain()).status == 1);
+  REQUIRE(planner_says("a stub, told target 3"));
+  for (int i = 0; i < 2; ++i) {
+    const pid_t before = service.pid("planner");
+    REQUIRE(kill(before, SIGKILL) == 0);
+    REQUIRE(eventually([&] { return service.pid("planner") != before; }));
+    CHECK(planner_says(taken));
+  }
+}
+
 TEST_CASE("service: a process that ends again and again is given up, the others go on") {
   const Service service;
   REQUIRE(service.up().status == 0);

@@ -1,6 +1,6 @@
 // In the place of one of the four processes: says that it runs, and obeys stop and recover. The
-// plant has a reflex when the impedance process is another one than before. Which one it is, its
-// name tells.
+// plant has a reflex when the impedance process is another one than before, the planner says which
+// target it was told. Which one it is, its name tells.
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   status.set_state(c3rt_v1_SERVICE_RUNNING, "a stub");
   wire::Reader<wire::ServiceRequest> requests(bus);
   wire::Reader<wire::ServiceStatus> statuses(bus, 64);
+  wire::Reader<wire::TaskTarget> targets(bus);
   wire::Replies replies(bus, process);
   int impedance = 0;
   while (!wire::StopFlag::requested()) {
@@ -48,6 +49,15 @@ int main(int argc, char** argv) {
       if (request.verb == c3rt_v1_REQUEST_STOP)
         status.set_state(c3rt_v1_SERVICE_DEGRADED, "stopped by a person; request recover");
       replies.answer(request.request_id, true, "done", rt::now_ns());
+    }
+    wire::TaskTarget target{};
+    while (targets.take(target)) {
+      if (process != c3rt_v1_PROCESS_PLANNER) continue;
+      status.set_state(c3rt_v1_SERVICE_RUNNING,
+                       "a stub, told target " + std::to_string(target.kind) + " with radius " +
+                           std::to_string(target.radius_m));
+      replies.answer(target.request_id, target.kind != c3rt_v1_TARGET_POINT, "of the stub",
+                     rt::now_ns());
     }
     wire::ServiceStatus other{};
     while (statuses.take(other)) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@ class Service {
   /// @param options of c3rt up, more than the clock
   Service(const std::string& scenario, wire::ClockMode clock, const std::string& options = {})
       : clock_(clock) {
+    for (const char* runtime : {"own", "other"})
+      std::filesystem::create_directories(folder_.path() / runtime);
     const bool lockstep = clock == wire::ClockMode::kLockstep;
     const support::Outcome up =
         c3rt("up " + scenario + " --clock " + (lockstep ? "lockstep" : "realtime") + " --out '" +
@@ -40,16 +43,17 @@ class Service {
     replies_.emplace(*bus_);
     requests_.emplace(*bus_);
     faults_.emplace(*bus_);
+    targets_.emplace(*bus_);
     if (!until([&] { return state_.header.time_ns != 0 && status(c3rt_v1_PROCESS_VISION); }, 60.0))
       throw std::runtime_error("nothing is heard of the service");
   }
   ~Service() { c3rt("down"); }
 
   /// Status and words of a command of the person at the machine.
-  support::Outcome c3rt(const std::string& arguments) const {
-    return support::outcome_of("XDG_RUNTIME_DIR='" + folder_.path().string() +
-                               "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " + arguments +
-                               " --domain " + std::to_string(service_domain()));
+  support::Outcome c3rt(const std::string& arguments) const { return command(arguments, "own"); }
+  /// The same of somebody who has not started the service.
+  support::Outcome stranger(const std::string& arguments) const {
+    return command(arguments, "other");
   }
   wire::BusSettings settings() const {
     wire::BusSettings bus;
@@ -116,15 +120,25 @@ class Service {
     }
     return answers();
   }
-  std::string inject(wire::Process process, c3rt_v1_FaultKind kind, double seconds) {
+  /// Asked by `write`. Empty: taken, else why not.
+  template <typename T, typename Write>
+  std::string question(T sample, const Write& write) {
     answers_ = {};
+    sample.request_id = answers_[0].first = ++last_id_;
+    write(sample);
+    return answers();
+  }
+  std::string target(c3rt_v1_TargetKind kind) {
+    wire::TaskTarget target{};
+    target.kind = kind;
+    return question(target, [this](wire::TaskTarget& asked) { targets_->write(asked, rt::now_ns()); });
+  }
+  std::string inject(wire::Process process, c3rt_v1_FaultKind kind, double seconds) {
     wire::FaultInject fault{};
     fault.process = process;
     fault.kind = kind;
     fault.duration_s = seconds;
-    fault.request_id = answers_[0].first = ++last_id_;
-    faults_->write(fault, rt::now_ns());
-    return answers();
+    return question(fault, [this](wire::FaultInject& asked) { faults_->write(asked, rt::now_ns()); });
   }
 
   const wire::RobotState& state() const { return state_; }
@@ -166,6 +180,11 @@ class Service {
   }
 
  private:
+  support::Outcome command(const std::string& arguments, const std::string& runtime) const {
+    return support::outcome_of("XDG_RUNTIME_DIR='" + (folder_.path() / runtime).string() +
+                               "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " + arguments +
+                               " --domain " + std::to_string(service_domain()));
+  }
   static std::size_t index(wire::Process process) { return static_cast<std::size_t>(process); }
   std::string answers() {
     const bool all = until(
@@ -195,6 +214,7 @@ class Service {
   std::optional<wire::Reader<wire::ServiceReply>> replies_;
   std::optional<wire::Writer<wire::ServiceRequest>> requests_;
   std::optional<wire::Writer<wire::FaultInject>> faults_;
+  std::optional<wire::Writer<wire::TaskTarget>> targets_;
   std::array<std::pair<std::uint64_t, Answer>, 3> answers_{};  // id 0: not asked
   std::uint64_t last_id_ = static_cast<std::uint64_t>(rt::now_ns());
   wire::RobotState state_{};

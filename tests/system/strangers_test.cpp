@@ -9,12 +9,14 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/dds.hpp"
+#include "plant_emulator/errors.hpp"
 #include "tests/idl/raw_writer.hpp"
 #include "tests/idl/samples.hpp"
 #include "tests/support/child_process.hpp"
@@ -77,6 +79,13 @@ class Audience {
     return plants_session != 0 && state_.mode == c3rt_v1_ROBOT_MOVE;
   }
   std::uint64_t session() const { return state_.header.session_id; }
+  std::uint64_t counter(wire::Process process, const char* name) const {
+    const auto& newest = status(process);
+    for (int i = 0; newest && i < c3rt_v2_COUNTERS; ++i) {
+      if (std::string(newest->counter_names[i]) == name) return newest->counters[i];
+    }
+    return 0;
+  }
   /// What a process has refused of a topic.
   std::optional<wire::RefusedSamples> refused(wire::Process process, const char* topic,
                                               const char* reason) const {
@@ -194,6 +203,108 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
   const auto named = audience.refused(c3rt_v1_PROCESS_PLANT, "robot/command", "second writer");
   REQUIRE(named);
   CHECK_THAT(std::string(named->latest), Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
+}
+
+/// Whether the robot was stopped by more than a machine that is busy elsewhere.
+bool own_reflex(const wire::RobotState& state) {
+  return state.mode == c3rt_v1_ROBOT_REFLEX &&
+         state.errors != plant::bit(plant::Error::kCommunicationConstraintsViolation);
+}
+
+TEST_CASE("a stranger's states, ahead in time, elsewhere and in a reflex, move nothing") {
+  const Hand plant("c3rt-plant"), impedance("c3rt-impedance"), planner("c3rt-planner"),
+      vision("c3rt-vision");
+  Audience audience;
+  REQUIRE(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
+  wire::Bus bus(settings());
+  RawWriter states(bus, wire::topic<wire::RobotState>());
+  REQUIRE(audience.eventually([&] { return states.matched(); }, [] {}));
+  std::uint64_t seq = 1'000'000'000;
+  bool stopped = false;
+  const std::uint64_t stops_before = audience.counter(c3rt_v1_PROCESS_IMPEDANCE, "stops");
+  const auto lie = [&] {
+    ++seq;
+    wire::RobotState state = audience.state();
+    state.q_rad[seq % 7] += 0.05;
+    if (seq % 3 == 0) state.mode = c3rt_v1_ROBOT_REFLEX;
+    const bool ahead = seq % 2 == 0;
+    states.write(state, audience.session(), seq, rt::now_ns() + (ahead ? 3600 * kSecond : 0));
+    stopped = stopped || own_reflex(audience.state());
+  };
+  const auto count = [&](wire::Process process, const char* reason) {
+    const auto samples = audience.refused(process, "robot/state", reason);
+    return samples ? samples->count : 0;
+  };
+  CHECK(audience.eventually(
+      [&] {
+        return count(c3rt_v1_PROCESS_IMPEDANCE, "second writer") > 500 &&
+               count(c3rt_v1_PROCESS_IMPEDANCE, "header") > 500 &&
+               count(c3rt_v1_PROCESS_PLANNER, "second writer") > 500 &&
+               count(c3rt_v1_PROCESS_PLANNER, "header") > 500;
+      },
+      lie));
+  CHECK_FALSE(stopped);
+  CHECK(audience.counter(c3rt_v1_PROCESS_IMPEDANCE, "stops") == stops_before);
+  CHECK(audience.all_well(audience.session()));
+}
+
+TEST_CASE("estimates that cannot be do not move the arm, beside our vision and in its place") {
+  const Hand plant("c3rt-plant"), impedance("c3rt-impedance"), planner("c3rt-planner");
+  Audience audience;
+  wire::Bus bus(settings());
+  RawWriter estimates(bus, wire::topic<wire::BallEstimate>());
+  std::uint64_t seq = 0;
+  bool stopped = false;
+  const auto see = [&](const std::function<void(wire::BallEstimate&)>& spoil) {
+    // as many as vision sends, though this is asked each millisecond
+    stopped = stopped || own_reflex(audience.state());
+    if (audience.session() == 0 || ++seq % 10 != 0) return;
+    auto estimate = plain<wire::BallEstimate>();
+    estimate.valid = true;
+    estimate.exposure_ns = rt::now_ns();
+    estimate.p_WB_m[0] = estimate.p_measured_m[0] = 0.55;
+    estimate.p_WB_m[1] = estimate.p_measured_m[1] = 0.1;
+    estimate.p_WB_m[2] = estimate.p_measured_m[2] = 0.007;
+    spoil(estimate);
+    estimates.write(estimate, audience.session(), seq, estimate.exposure_ns);
+  };
+  const auto says = [&](const char* words) {
+    const auto& status = audience.status(c3rt_v1_PROCESS_PLANNER);
+    return status && std::string(status->text).find(words) != std::string::npos;
+  };
+  // in the place of vision: the arm goes to the ball that is told
+  REQUIRE(audience.eventually(
+      [&] { return says("approach") && audience.state().mode == c3rt_v1_ROBOT_MOVE; },
+      [&] { see([](wire::BallEstimate&) {}); }));
+  const auto refused = [&] {
+    const auto samples = audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "value");
+    return samples ? samples->count : 0;
+  };
+  std::uint64_t before = 0;
+  for (const auto& spoil : std::vector<std::function<void(wire::BallEstimate&)>>{
+           [](wire::BallEstimate& e) { e.v_WB_m_per_s[0] = 1e6; },
+           [](wire::BallEstimate& e) { e.v_WB_m_per_s[1] = 1e308; },
+           [](wire::BallEstimate& e) { e.p_WB_m[2] = 1e300; },
+           [](wire::BallEstimate& e) { e.omega_rad_per_s[0] = -1e9; },
+           [](wire::BallEstimate& e) { e.q_WB[0] = 0.0; }}) {
+    CHECK(audience.eventually([&] { return refused() > before + 20; }, [&] { see(spoil); }));
+    before = refused();
+  }
+  // it knows of no ball and says so
+  CHECK(audience.eventually([&] { return says("vision is silent"); }, [] {}));
+  CHECK_FALSE(stopped);
+  CHECK(audience.state().mode == c3rt_v1_ROBOT_MOVE);
+
+  // beside our vision: what can be is refused, too
+  const Hand vision("c3rt-vision");
+  CHECK(audience.eventually(
+      [&] {
+        const auto second = audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer");
+        return second && second->count > 20;
+      },
+      [&] { see([](wire::BallEstimate& e) { e.p_WB_m[0] = 0.4; }); }));
+  CHECK(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
+  CHECK_FALSE(stopped);
 }
 
 /// log_hash of two simulated seconds, with somebody who writes into the run as long as it lasts.
