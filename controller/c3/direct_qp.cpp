@@ -17,7 +17,6 @@ constexpr int kMaxRefinements = 4;
 constexpr double kConverged = 1e-13;  // estimated error beside the largest entry of its kind
 constexpr double kAcceptable = 1e-6;  // gradient beside its largest term; worse: not solved
 constexpr double kSettled = 1e-7;     // what the next refinement would change of its kind; more: not solved
-constexpr double kKnown = 1e-10;      // of λ and u, what rounding may leave open
 constexpr double kConsistent = 1e-9;  // the same for what the states miss the dynamics by
 
 /// One Newton step is the solution; the same step again refines it.
@@ -95,7 +94,7 @@ class DirectQp final : public QpStep {
     if (primal <= kConsistent && dual <= kAcceptable && next_change <= kSettled) {
       status = QpStatus::kSolved;
     }
-    if (!(found.unknown <= kKnown)) status = QpStatus::kNotFactorable;
+    if (!found.is_known()) status = QpStatus::kNotFactorable;
     if (status != QpStatus::kSolved && !(z.allFinite() && x_N.allFinite())) {
       status = QpStatus::kNotFactorable;
     }

@@ -12,7 +12,6 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kOfKind = 1e-3;  // of the largest entry of its kind: what a bound of 0 is met beside
-constexpr double kKnown = 1e-10;  // of λ and u, what rounding may leave open
 constexpr double kTiny = 1e-6;    // nor is a violation measured beside less
 
 }  // namespace
@@ -121,7 +120,7 @@ double QpModel::stationarity(const VectorXd& multiplier) noexcept {
   }
   Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z_);
   found.input_scale = std::max(found.input_scale, input_scale);
-  if (!(found.unknown <= kKnown)) return std::numeric_limits<double>::infinity();
+  if (!found.is_known()) return std::numeric_limits<double>::infinity();
   return relative(found, terms, riccati_.largest_gain());
 }
 

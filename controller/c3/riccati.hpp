@@ -88,6 +88,9 @@ class Riccati {
     double input_sum = 0.0, state_sum = 0.0;      // of all components by size
     double unknown = 0.0;                         // what rounding leaves open of λ and u, at least,
                                                   // beside 1 and the largest of its stage
+    /// Whether that leaves the digits of an answer that is called solved.
+    bool is_known() const noexcept { return unknown <= kKnown; }
+    static constexpr double kKnown = 1e-7;
     double defect = 0.0;                          // Σ p_{k+1}ᵀ defect_k
   };
   /// RT.

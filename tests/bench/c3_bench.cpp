@@ -62,6 +62,16 @@ void count_speed_up(benchmark::State& state, double baseline_seconds) {
   state.counters["speed-up"] = Counter(baseline_seconds, Counter::kIsIterationInvariantRate);
 }
 
+bool nothing_to_time = false;
+
+/// A benchmark without QPs or projections to repeat would never end.
+bool skip_if_nothing(benchmark::State& state, bool nothing) {
+  if (!nothing) return false;
+  nothing_to_time = true;
+  state.SkipWithError("the solve whose QPs and projections are to be timed failed at once");
+  return true;
+}
+
 /// How fast this machine is just now.
 void cholesky(benchmark::State& state) {
   MatrixXd A = MatrixXd::Constant(100, 100, 0.5);
@@ -103,6 +113,7 @@ void qp_step(benchmark::State& state, const std::string& problem_name, QpBackend
   const bench::State& at = p.states[5];
   const RecordedQps qps(p, at);
   const int s = static_cast<int>(qps.g.size());
+  if (skip_if_nothing(state, s == 0)) return;
   MatrixXd z = MatrixXd::Zero(p.sizes.n_z(), N);
   VectorXd x_N = VectorXd::Zero(p.sizes.n_x);
 
@@ -172,17 +183,21 @@ MatrixXd projected(const Problem& p, const bench::State& at) {
 /// Time of one projection, the mean over those of one solve; what is computed once in a solve
 /// counts with its share.
 void project(benchmark::State& state, const std::string& problem_name, ProjectionKind kind, int N) {
+  const Problem p = bench::problem(problem_name, kind, N);
+  const bench::State& at = p.states[5];
+  const MatrixXd v = projected(p, at);
+  if (skip_if_nothing(state, v.cols() == 0)) return;
+
   const Problem exact = baseline_problem(problem_name, N);
   // Google Benchmark comes here several times until it has found how often to repeat
   static std::map<std::string, double> baselines;
   if (bench::has_miqp_solver() && baselines.count(problem_name) == 0) {
-    const bench::State& at = exact.states[5];
-    baselines[problem_name] = bench::paper_projection_time(exact, at, projected(exact, at));
+    const bench::State& of_exact = exact.states[5];
+    const MatrixXd v_exact = projected(exact, of_exact);
+    if (skip_if_nothing(state, v_exact.cols() == 0)) return;
+    baselines[problem_name] = bench::paper_projection_time(exact, of_exact, v_exact);
   }
 
-  const Problem p = bench::problem(problem_name, kind, N);
-  const bench::State& at = p.states[5];
-  const MatrixXd v = projected(p, at);
   const auto projection = make_projection(p);
   projection->set_weights(p.costs);
   VectorXd delta(v.rows());
@@ -302,5 +317,5 @@ int main(int argc, char** argv) {
   add_all();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
-  return 0;
+  return nothing_to_time ? 1 : 0;
 }

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 
 #include "controller/c3/qp.hpp"
 #include "tests/support/random.hpp"
@@ -143,9 +142,6 @@ inline Answer solve(c3rt::c3::QpStep& qp, const Problem& p) {
   return answer;
 }
 
-using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-
 /// One row of the constraints over all variables [z_0; …; z_{N−1}; x_N].
 struct Row {
   VectorXd a;
@@ -185,7 +181,80 @@ inline std::vector<Row> rows(const Problem& p) {
   return all;
 }
 
-/// The solution of the whole KKT system, dense, in long double, with the rows as equalities that
+// four times the digits of double: where weights and modes lie 1e10 apart, the dense KKT system in
+// long double is off by 1e-5
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 Quad;
+#else
+using Quad = long double;
+#endif
+using QuadMatrix = std::vector<std::vector<Quad>>;
+
+inline Quad size_of(Quad value) { return value < 0 ? -value : value; }
+
+/// Gaussian elimination of [M right] with partial pivoting, M square with nothing farther than
+/// `band` from its diagonal.
+inline void eliminate(QuadMatrix& M, int band) {
+  const int n = static_cast<int>(M.size());
+  for (int c = 0; c < n; ++c) {
+    const int below = std::min(n, c + band + 1), right = std::min(n, c + 2 * band + 1);
+    int pivot = c;
+    for (int r = c + 1; r < below; ++r) {
+      if (size_of(M[r][c]) > size_of(M[pivot][c])) pivot = r;
+    }
+    std::swap(M[c], M[pivot]);
+    const int all = static_cast<int>(M[c].size());
+    for (int r = c + 1; r < below; ++r) {
+      if (M[r][c] == 0) continue;
+      const Quad factor = M[r][c] / M[c][c];
+      for (int j = c; j < right; ++j) M[r][j] -= factor * M[c][j];
+      for (int j = n; j < all; ++j) M[r][j] -= factor * M[c][j];
+    }
+  }
+  for (int c = n - 1; c >= 0; --c) {
+    const int right = std::min(n, c + 2 * band + 1), all = static_cast<int>(M[c].size());
+    for (int s = n; s < all; ++s) {
+      Quad value = M[c][s];
+      for (int j = c + 1; j < right; ++j) value -= M[c][j] * M[j][s];
+      M[c][s] = value / M[c][c];
+    }
+  }
+}
+
+/// x and the rank of S x = b, S symmetric and positive semidefinite, with full pivoting; what
+/// depends on other rows, but for what is below rounding of its unit, gets 0.
+inline int solve_semidefinite(QuadMatrix S, std::vector<Quad> b, const std::vector<Quad>& unit,
+                              std::vector<Quad>& x) {
+  const int n = static_cast<int>(S.size());
+  std::vector<int> order(n);
+  for (int i = 0; i < n; ++i) order[i] = i;
+  int rank = 0;
+  for (; rank < n; ++rank) {
+    int pivot = rank;
+    const auto left = [&](int i) { return S[order[i]][order[i]] / unit[order[i]]; };
+    for (int i = rank + 1; i < n; ++i) {
+      if (left(i) > left(pivot)) pivot = i;
+    }
+    if (!(left(pivot) > Quad(1e-22))) break;
+    std::swap(order[rank], order[pivot]);
+    const int p = order[rank];
+    for (int i = rank + 1; i < n; ++i) {
+      const int r = order[i];
+      const Quad factor = S[r][p] / S[p][p];
+      for (int j = rank; j < n; ++j) S[r][order[j]] -= factor * S[p][order[j]];
+      b[r] -= factor * b[p];
+    }
+  }
+  x.assign(n, Quad(0));
+  for (int i = rank - 1; i >= 0; --i) {
+    Quad value = b[order[i]];
+    for (int j = i + 1; j < rank; ++j) value -= S[order[i]][order[j]] * x[order[j]];
+    x[order[i]] = value / S[order[i]][order[i]];
+  }
+  return rank;
+}
+
+/// The solution of the whole KKT system, in quadruple precision, with the rows as equalities that
 /// hold with equality (to 1e-7) at a claimed answer; and how far that is from being optimal: by the
 /// signs of the multipliers of those rows, where they are unique, and by the violation of the others.
 struct Reference {
@@ -196,15 +265,20 @@ struct Reference {
 };
 
 inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
-  const int n_x = p.sizes.n_x, n_z = p.sizes.n_z(), N = p.sizes.N;
-  const int n = N * n_z + n_x, m = (N + 1) * n_x;
-  VectorXd point = VectorXd::Zero(n);
+  const int n_x = p.sizes.n_x, n_z = p.sizes.n_z(), N = p.sizes.N, n_nu = n_z - n_x;
+  const int n = N * n_z + n_x;
   std::vector<Row> active;
   std::vector<int> side;  // 1 at the lower bound, −1 at the upper, 0 equality
+  const int n_fixed = p.fixes_lambda_0 ? p.sizes.n_lambda : 0;
+  for (int i = 0; i < n_fixed; ++i) {
+    active.push_back({VectorXd::Unit(n, n_x + i), p.lambda_0[i], p.lambda_0[i]});
+    side.push_back(0);
+  }
+  const std::vector<Row> all = rows(p);
   if (claimed != nullptr) {
-    for (int k = 0; k < N; ++k) point.segment(k * n_z, n_z) = claimed->z.col(k);
-    point.tail(n_x) = claimed->x_N;
-    for (const Row& row : rows(p)) {
+    VectorXd point(n);
+    point << claimed->z.reshaped(), claimed->x_N;
+    for (const Row& row : all) {
       const double value = row.a.dot(point), near = 1e-7 * std::max(1.0, std::abs(value));
       const bool lower = value <= row.lower + near, upper = value >= row.upper - near;
       if (!lower && !upper) continue;
@@ -212,54 +286,87 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
       side.push_back(lower && upper ? 0 : lower ? 1 : -1);
     }
   }
-  const int n_fixed = p.fixes_lambda_0 ? p.sizes.n_lambda : 0;
   const int n_active = static_cast<int>(active.size());
-  const int size = n + m + n_fixed + n_active;
-  LongMatrix kkt = LongMatrix::Zero(size, size);
-  LongVector right = LongVector::Zero(size);
-  for (int k = 0; k < N; ++k) {
-    MatrixXd stage = p.rho * p.W[k];
-    stage.topLeftCorner(n_x, n_x) += p.costs.Q[k];
-    stage.bottomRightCorner(p.sizes.n_u, p.sizes.n_u) += p.costs.R[k];
-    kkt.block(k * n_z, k * n_z, n_z, n_z) = stage.cast<long double>();
-    right.segment(k * n_z, n_z) = (p.rho * p.g.col(k)).cast<long double>();
-    right.segment(k * n_z, n_x) += (p.costs.Q[k] * p.x_desired.col(k)).cast<long double>();
-    MatrixXd step(n_x, n_z);
-    step << p.lcs[k].A, p.lcs[k].D, p.lcs[k].B;
-    kkt.block(n + (k + 1) * n_x, k * n_z, n_x, n_z) = step.cast<long double>();
-    right.segment(n + (k + 1) * n_x, n_x) = -p.lcs[k].d.cast<long double>();
-  }
-  kkt.block(N * n_z, N * n_z, n_x, n_x) = p.costs.Q_N.cast<long double>();
-  right.segment(N * n_z, n_x) = (p.costs.Q_N * p.x_desired.col(N)).cast<long double>();
-  for (int k = 0; k <= N; ++k) {  // −x_k of the rows above; row 0: −x_0 = −x0
-    kkt.block(n + k * n_x, k * n_z, n_x, n_x) -= LongMatrix::Identity(n_x, n_x);
-  }
-  right.segment(n, n_x) = -p.x0.cast<long double>();
-  for (int i = 0; i < n_fixed; ++i) {
-    kkt(n + m + i, n_x + i) = 1.0L;
-    right[n + m + i] = p.lambda_0[i];
+
+  // stage by stage x_k, ν_k and the multipliers of x_k = …; a last x_N and its multipliers
+  const int block = n_z + n_x, size = N * block + 2 * n_x;
+  const auto x_at = [&](int k) { return k * block; };
+  const auto multiplier_at = [&](int k) { return k * block + n_x; };
+  const auto nu_at = [&](int k) { return k * block + 2 * n_x; };
+  const auto place = [&](int i) {  // of entry i of [z_0; …; x_N]
+    const int k = i / n_z, j = i % n_z;
+    return j < n_x ? x_at(k) + j : nu_at(k) + j - n_x;
+  };
+  QuadMatrix M(size, std::vector<Quad>(size + 1 + n_active, Quad(0)));
+  for (int k = 0; k <= N; ++k) {
+    MatrixXd stage = p.costs.Q_N;
+    VectorXd linear = p.costs.Q_N * p.x_desired.col(N);
+    if (k < N) {
+      stage = p.rho * p.W[k];
+      stage.topLeftCorner(n_x, n_x) += p.costs.Q[k];
+      stage.bottomRightCorner(p.sizes.n_u, p.sizes.n_u) += p.costs.R[k];
+      linear = p.rho * p.g.col(k);
+      linear.head(n_x) += p.costs.Q[k] * p.x_desired.col(k);
+    }
+    for (int i = 0; i < stage.rows(); ++i) {
+      const int row = place(k * n_z + i);
+      M[row][size] = linear[i];
+      for (int j = 0; j < stage.cols(); ++j) M[row][place(k * n_z + j)] = stage(i, j);
+    }
+    const auto couple = [&](int multiplier, int entry, double value) {
+      M[multiplier_at(k) + multiplier][entry] = value;
+      M[entry][multiplier_at(k) + multiplier] = value;
+    };
+    for (int i = 0; i < n_x; ++i) {
+      couple(i, x_at(k) + i, -1.0);
+      M[multiplier_at(k) + i][size] = k == 0 ? -p.x0[i] : -p.lcs[k - 1].d[i];
+      if (k == 0) continue;
+      const auto& lcs = p.lcs[k - 1];
+      for (int j = 0; j < n_x; ++j) couple(i, x_at(k - 1) + j, lcs.A(i, j));
+      for (int j = 0; j < n_nu; ++j) {
+        couple(i, nu_at(k - 1) + j,
+               j < p.sizes.n_lambda ? lcs.D(i, j) : lcs.B(i, j - p.sizes.n_lambda));
+      }
+    }
   }
   for (int i = 0; i < n_active; ++i) {
-    kkt.row(n + m + n_fixed + i).head(n) = active[i].a.transpose().cast<long double>();
-    right[n + m + n_fixed + i] = side[i] == -1 ? active[i].upper : active[i].lower;
+    for (int j = 0; j < n; ++j) M[place(j)][size + 1 + i] = active[i].a[j];
   }
-  kkt.topRightCorner(n, size - n) = kkt.bottomLeftCorner(size - n, n).transpose();
-  const auto factor = kkt.colPivHouseholderQr();
-  const LongVector solution = factor.solve(right);
-  Reference found{MatrixXd(n_z, N), solution.segment(N * n_z, n_x).cast<double>()};
-  for (int k = 0; k < N; ++k) found.z.col(k) = solution.segment(k * n_z, n_z).cast<double>();
-  found.active = n_active;
-  const auto largest = std::max(1.0L, solution.tail(n_active).size() == 0
-                                          ? 0.0L
-                                          : solution.tail(n_active).cwiseAbs().maxCoeff());
+  eliminate(M, 2 * block);
+  // how the rows move for a unit pull of each
+  QuadMatrix S(n_active, std::vector<Quad>(n_active, Quad(0)));
+  std::vector<Quad> missing(n_active), unit(n_active, Quad(0)), pull;
+  for (int i = 0; i < n_active; ++i) {
+    for (int j = 0; j < size; ++j) unit[i] = std::max(unit[i], size_of(M[j][size + 1 + i]));
+    unit[i] *= Quad(1e-8);  // an input that moves the row has moved it by more
+    missing[i] = side[i] == -1 ? active[i].upper : active[i].lower;
+    for (int j = 0; j < n; ++j) {
+      if (active[i].a[j] == 0.0) continue;
+      missing[i] -= active[i].a[j] * M[place(j)][size];
+      for (int other = 0; other < n_active; ++other) {
+        S[i][other] += active[i].a[j] * M[place(j)][size + 1 + other];
+      }
+    }
+  }
+  for (int i = 0; i < n_active; ++i) unit[i] = std::max(unit[i], S[i][i]);
+  const int rank = solve_semidefinite(S, missing, unit, pull);
+
+  VectorXd at(n);
+  for (int j = 0; j < n; ++j) {
+    Quad value = M[place(j)][size];
+    for (int i = 0; i < n_active; ++i) value += pull[i] * M[place(j)][size + 1 + i];
+    at[j] = static_cast<double>(value);
+  }
+  Reference found{at.head(N * n_z).reshaped(n_z, N), at.tail(n_x)};
+  found.active = n_active - n_fixed;
+  Quad largest = 1;
+  for (const Quad& one : pull) largest = std::max(largest, size_of(one));
   // of rows that depend on one another the multipliers are not unique
-  for (int i = 0; i < n_active && factor.isInvertible(); ++i) {  // here a row's multiplier is the negative of the usual one
-    const long double pull = -solution[n + m + n_fixed + i] / largest;
-    found.wrong = std::max(found.wrong, static_cast<double>(-pull * side[i]));
+  for (int i = 0; i < n_active && rank == n_active; ++i) {
+    found.wrong = std::max(found.wrong, static_cast<double>(-pull[i] * side[i] / largest));
   }
   if (claimed == nullptr) return found;
-  const VectorXd at = solution.head(n).cast<double>();
-  for (const Row& row : rows(p)) {
+  for (const Row& row : all) {
     const double value = row.a.dot(at);
     found.wrong = std::max({found.wrong, row.lower - value, value - row.upper});
   }

@@ -25,7 +25,7 @@ Problem with_fixed_lambda_0(unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("direct QP: on random time-varying problems it is the dense KKT system's solution") {
+TEST_CASE("direct QP: on random time-varying problems it is the KKT system's solution") {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Problem p = random_problem(seed);
     CAPTURE(seed, p.sizes.n_x, p.sizes.n_lambda, p.sizes.n_u, p.sizes.N);
@@ -34,7 +34,7 @@ TEST_CASE("direct QP: on random time-varying problems it is the dense KKT system
   }
 }
 
-TEST_CASE("OSQP: on random time-varying problems it is the dense KKT system's solution") {
+TEST_CASE("OSQP: on random time-varying problems it is the KKT system's solution") {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Problem p = random_problem(seed);
     CAPTURE(seed, p.sizes.n_x, p.sizes.n_lambda, p.sizes.n_u, p.sizes.N);
