@@ -52,6 +52,7 @@ std::optional<ChildExit> Keeper::step() {
     bury(*end, now);
   }
   start_due(now);
+  tell_target();
   recover(now);
   look_at_disk(now);
   return std::nullopt;
@@ -84,6 +85,19 @@ bool Keeper::robot_well() const {
          heard(c3rt_v1_PROCESS_IMPEDANCE).state == c3rt_v1_SERVICE_RUNNING;
 }
 
+/// A planner that was started again knows no target but the scenario's.
+void Keeper::tell_target() {
+  if (!target_is_due_) return;
+  const wire::ServiceStatus& planner = heard(c3rt_v1_PROCESS_PLANNER);
+  const Kept& kept = kept_[wire::process_name(c3rt_v1_PROCESS_PLANNER)];
+  if (kept.due || planner.pid == kept.pid || !in_service(planner)) return;
+  target_is_due_ = false;
+  if (!target_) return;
+  wire::TaskTarget again = *target_;
+  again.request_id = 0;
+  target_writer_.write(again, rt::now_ns());
+}
+
 /// What stopped the robot was that a process had gone, and that has been made good: nobody need come
 /// and recover it. Who stopped it by hand before, or after, must.
 void Keeper::recover(double now) {
@@ -99,13 +113,6 @@ void Keeper::recover(double now) {
       // still the words of the one that has died
       if (name == wire::process_name(status.process) && status.pid == kept.pid) return;
     }
-  }
-  if (restarted_ == "planner" && target_ && !told_again_) {
-    if (!in_service(heard(c3rt_v1_PROCESS_PLANNER))) return;
-    wire::TaskTarget again = *target_;
-    again.request_id = 0;
-    target_writer_.write(again, rt::now_ns());
-    told_again_ = true;
   }
   if (!robot_well()) unwell_at_ = now;
   if (robot_well()) {
@@ -139,9 +146,9 @@ void Keeper::bury(const ChildExit& end, double now) {
   for (const wire::ServiceStatus& status : heard_) {
     if (status.pid != 0 && end.name == wire::process_name(status.process)) kept.pid = status.pid;
   }
+  if (end.name == wire::process_name(c3rt_v1_PROCESS_PLANNER)) target_is_due_ = true;
   if (!kept.given_up && (now - well_at_ < kJustBefore || !restarted_.empty())) {
     restarted_ = end.name;
-    told_again_ = false;
     recovers_ = 0;
     recover_until_ = now + kRecoverWithin;
     unwell_at_ = now;

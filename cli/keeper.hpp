@@ -37,6 +37,7 @@ class Keeper {
   void bury(const ChildExit& end, double now);
   void start_due(double now);
   void look_at_disk(double now);
+  void tell_target();
   void recover(double now);
   bool robot_well() const;
   const wire::ServiceStatus& heard(wire::Process process) const {
@@ -61,7 +62,7 @@ class Keeper {
   std::optional<wire::TaskTarget> asked_, target_;  // the newest; the newest that was taken
   double well_at_ = -1e9;                           // the robot was well
   std::string restarted_;        // who was started again while the robot was well; empty: nobody
-  bool told_again_ = false;  // the planner that was started again knows its target
+  bool target_is_due_ = false;   // of a planner that was started again
   int recovers_ = 0;         // asked for since then
   double recover_until_ = 0.0, recover_next_ = 0.0, unwell_at_ = 0.0;
 };

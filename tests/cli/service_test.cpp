@@ -105,9 +105,14 @@ TEST_CASE("service: a planner that is started again is told the last target that
   // refused, so not the last that was taken
   REQUIRE(service.c3rt("target point 0.55 0" + service.on_domain()).status == 1);
   REQUIRE(planner_says("a stub, told target 3"));
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < 3; ++i) {
+    CAPTURE(i);
+    // the second one dies while a person has stopped the robot, the third together with vision
+    if (i == 1) REQUIRE(service.c3rt("stop" + service.on_domain()).status == 0);
+    if (i == 1) std::this_thread::sleep_for(std::chrono::seconds(1));
     const pid_t before = service.pid("planner");
     REQUIRE(kill(before, SIGKILL) == 0);
+    if (i == 2) kill(service.pid("vision"), SIGKILL);
     REQUIRE(eventually([&] { return service.pid("planner") != before; }));
     CHECK(planner_says(taken));
   }
