@@ -17,6 +17,7 @@ constexpr std::int64_t kSlice_ns = 50'000'000;
 constexpr std::int64_t kJoinAgain_ns = 200'000'000;
 constexpr int kNoTickFactor = 6;
 constexpr int kTickDepth = 64;
+constexpr int kArrivalPeriods = 2;  // without an arrival until the timer goes on
 constexpr std::int64_t kJoining = -1;  // time of a Done that answers no tick
 
 void merge(Sequences& newest, const Sequences& other) {
@@ -44,8 +45,29 @@ struct Loop::Implementation {
     next_due_ns = settings.phase_ns;
   }
 
+  /// As the clock's wait(), for what arrives.
+  rt::Wakeup wait_for_arrival() noexcept {
+    while (!StopFlag::requested()) {
+      const std::int64_t rest_ns = guard_ns - rt::now_ns();
+      const bool arrived = settings.arrival->wait(rest_ns > 0 ? rest_ns : 0);
+      // what comes in a burst is one arrival: limits per cycle hold per time, too
+      while (rt::now_ns() < earliest_ns) settings.arrival->wait(earliest_ns - rt::now_ns());
+      const std::int64_t woke_ns = rt::now_ns();
+      if (!arrived && woke_ns < guard_ns) continue;  // a signal of the system
+      const std::int64_t due_ns = arrived ? settings.arrival->raised_ns() : guard_ns;
+      // how late the guard was is how long this thread did not run, however much has arrived since
+      const std::int64_t late_ns = woke_ns - guard_ns;
+      guard_ns = woke_ns + (arrived ? kArrivalPeriods : 1) * settings.period_ns;
+      earliest_ns = woke_ns + settings.period_ns / 2;
+      return {due_ns, woke_ns, woke_ns - due_ns,
+              late_ns > 0 ? late_ns / settings.period_ns : 0};
+    }
+    const std::int64_t woke_ns = rt::now_ns();
+    return {woke_ns, woke_ns, 0, 0};
+  }
+
   bool wait_realtime(std::int64_t& now_ns) noexcept {
-    const rt::Wakeup wakeup = clock.wait();
+    const rt::Wakeup wakeup = settings.arrival != nullptr ? wait_for_arrival() : clock.wait();
     missed.fetch_add(static_cast<std::uint64_t>(wakeup.missed), std::memory_order_relaxed);
     const double latency_s = static_cast<double>(wakeup.latency_ns) * 1e-9;
     latency.add(latency_s);
@@ -117,6 +139,8 @@ struct Loop::Implementation {
   Settings settings;
   ShutdownListener shutdown;
   rt::PeriodicClock clock;
+  std::int64_t guard_ns = rt::now_ns() + settings.period_ns;  // then a cycle without an arrival
+  std::int64_t earliest_ns = 0;                               // before that none
   rt::Statistics latency;
   std::atomic<std::uint64_t> missed{0};
   std::string failure;

@@ -61,16 +61,19 @@ Signal::Signal() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
 Signal::~Signal() { close(event_); }
 
 void Signal::raise() noexcept {
+  raised_ns_.store(rt::now_ns());
   const std::uint64_t one = 1;
   // only a full counter is refused, and then the signal is already up
   [[maybe_unused]] const auto written = write(event_, &one, sizeof one);
 }
 
-void Signal::wait(std::int64_t timeout_ns) noexcept {
+bool Signal::wait(std::int64_t timeout_ns) noexcept {
   pollfd waiting{event_, POLLIN, 0};
-  if (poll(&waiting, 1, static_cast<int>(timeout_ns / 1'000'000)) <= 0) return;
+  const timespec timeout{static_cast<std::time_t>(timeout_ns / 1'000'000'000),
+                         static_cast<long>(timeout_ns % 1'000'000'000)};
+  if (ppoll(&waiting, 1, &timeout, nullptr) <= 0) return false;
   std::uint64_t raised = 0;
-  [[maybe_unused]] const auto count = read(event_, &raised, sizeof raised);
+  return read(event_, &raised, sizeof raised) == sizeof raised;
 }
 
 ShutdownListener::ShutdownListener(Bus& bus, Process process)

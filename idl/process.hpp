@@ -19,6 +19,24 @@ namespace c3rt::wire {
 /// A new session id: larger than every one drawn before on this machine. Only the plant draws.
 std::uint64_t draw_session() noexcept;
 
+/// A flag that one thread raises without ever blocking and another one sleeps on (eventfd).
+class Signal {
+ public:
+  Signal();
+  ~Signal();
+  Signal(const Signal&) = delete;
+  Signal& operator=(const Signal&) = delete;
+  void raise() noexcept;  // RT: no heap, no lock, no throw
+  /// Returns when raised since the last wait, or after the time. @return whether it was raised. RT: no
+  /// heap, no lock, no throw
+  bool wait(std::int64_t timeout_ns) noexcept;
+  std::int64_t raised_ns() const noexcept { return raised_ns_.load(); }  // the last time
+
+ private:
+  int event_;
+  std::atomic<std::int64_t> raised_ns_{0};
+};
+
 /// Paces a process. The same loop runs in realtime (absolute deadlines on CLOCK_MONOTONIC) and in
 /// lockstep (simulated time over sim/tick and sim/done):
 ///
@@ -38,6 +56,9 @@ class Loop {
     std::int64_t gone_timeout_ns =
         10'000'000'000;  // lockstep: the plant has died, or no tick for six times this
     rt::Statistics* wakeup_latency = nullptr;  // realtime: also added here (the StatusReporter's)
+    /// Realtime: a cycle answers this, at once. Where it is not raised for two periods, a timer goes on
+    /// with one cycle per period. nullptr: the timer alone.
+    Signal* arrival = nullptr;
   };
   Loop(Bus& bus, const Settings& settings);
   ~Loop();
@@ -121,8 +142,10 @@ void become_bus_thread(const char* name) noexcept;
 template <typename T>
 class Inlet {
  public:
-  explicit Inlet(Bus& bus)  // checks and refuses in its own thread, as every reader does
+  /// @param arrival is raised when a sample has come (realtime)
+  explicit Inlet(Bus& bus, Signal* arrival = nullptr)
       : bus_(bus),
+        arrival_(arrival),
         realtime_(bus.clock() == ClockMode::kRealtime),
         reader_(bus, 64, realtime_ ? Wakes::kItself : Wakes::kBus) {
     if (realtime_) thread_ = std::thread([this] { run(); });
@@ -171,11 +194,15 @@ class Inlet {
     become_bus_thread("inlet");
     while (!stop_.load()) {
       reader_.wait(1'000'000'000);
-      if (reader_.take_newest(arrived_)) latest_.put(arrived_);
+      // checks and refuses in this thread, as every reader does
+      if (!reader_.take_newest(arrived_)) continue;
+      latest_.put(arrived_);
+      if (arrival_ != nullptr) arrival_->raise();
     }
   }
 
   Bus& bus_;
+  Signal* const arrival_;
   const bool realtime_;
   rt::Latest<T> latest_;
   T arrived_{}, taken_{};  // of the helper thread, of the servo thread
@@ -185,21 +212,6 @@ class Inlet {
   std::atomic<bool> stop_{false};
   Reader<T> reader_;
   std::thread thread_;
-};
-
-/// A flag that one thread raises without ever blocking and another one sleeps on (eventfd).
-class Signal {
- public:
-  Signal();
-  ~Signal();
-  Signal(const Signal&) = delete;
-  Signal& operator=(const Signal&) = delete;
-  void raise() noexcept;  // RT: no heap, no lock, no throw
-  void wait(std::int64_t
-                timeout_ns) noexcept;  // returns when raised since the last wait, or after the time
-
- private:
-  int event_;
 };
 
 /// Servo thread -> DDS. Realtime: put() is wait-free; a helper thread writes, and never skips the

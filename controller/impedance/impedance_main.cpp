@@ -58,6 +58,7 @@ int run(const config::ProcessOptions& options) {
   pace.process = c3rt_v1_PROCESS_IMPEDANCE;
   pace.period_ns = std::llround(parameters.period * 1e9);
   pace.wakeup_latency = &status.wakeup_latency();
+  pace.arrival = &servo.state_arrival();
   wire::Loop loop(bus, pace);
   spdlog::info("started clock={} rate_hz={:.0f} domain={}",
                bus.clock() == wire::ClockMode::kLockstep ? "lockstep" : "realtime",

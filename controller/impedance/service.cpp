@@ -86,6 +86,7 @@ Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
       plans_lost_(status.counter("plans_lost")),
       commands_failed_(status.counter("commands_failed")),
       state_to_command_p50_(status.counter("state_to_command_p50_ns")),
+      state_to_command_p95_(status.counter("state_to_command_p95_ns")),
       state_to_command_p99_(status.counter("state_to_command_p99_ns")) {}
 
 bool Service::poll() {
@@ -172,6 +173,7 @@ void Service::update_counters() {
   commands_failed_ = servo_.commands_failed();
   const rt::Quantiles age = servo_.state_to_command().snapshot();
   state_to_command_p50_ = static_cast<std::uint64_t>(std::max(age.p50_s, 0.0) * 1e9);
+  state_to_command_p95_ = static_cast<std::uint64_t>(std::max(age.p95_s, 0.0) * 1e9);
   state_to_command_p99_ = static_cast<std::uint64_t>(std::max(age.p99_s, 0.0) * 1e9);
 }
 

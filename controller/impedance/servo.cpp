@@ -80,7 +80,7 @@ void begin(std::atomic<std::int64_t>& duration_ns, std::int64_t now_ns,
 
 Servo::Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute)
     : realtime_(bus.clock() == wire::ClockMode::kRealtime),
-      states_(bus),
+      states_(bus, &state_arrival_),
       plans_(bus),
       commands_(bus),
       controller_(parameters, std::move(arm)),

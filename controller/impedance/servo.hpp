@@ -29,6 +29,9 @@ class Servo {
   /// @param compute gets the duration of every cycle
   Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute);
 
+  /// Raised when a robot state has arrived (realtime): a cycle answers it.
+  wire::Signal& state_arrival() noexcept { return state_arrival_; }
+
   /// One cycle. In realtime `now_ns` only paces; the step's time is read after the samples, so that
   /// none of them lies in its future. RT (realtime): no heap, no lock, no throw.
   void cycle(std::int64_t now_ns) noexcept;
@@ -55,6 +58,7 @@ class Servo {
   void send(const Output& output, std::int64_t now_ns) noexcept;
 
   const bool realtime_;
+  wire::Signal state_arrival_;
   wire::Inlet<wire::RobotState> states_;
   wire::Inlet<wire::Plan> plans_;
   wire::Outlet<wire::RobotCommand> commands_;

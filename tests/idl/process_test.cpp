@@ -204,6 +204,85 @@ TEST_CASE("Loop: waiting in realtime does not allocate") {
   CHECK(heap_calls == 0);
 }
 
+TEST_CASE("Loop: in realtime a cycle answers what arrives, and a timer only its absence") {
+  StopFlag::clear();
+  Bus bus(test::settings());
+  Signal arrival;
+  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, 200 * kMs};
+  settings.arrival = &arrival;
+  Loop loop(bus, settings);
+  std::int64_t now_ns = 0;
+  REQUIRE(loop.wait(now_ns));  // nothing has arrived
+  const std::int64_t first_ns = now_ns;
+  // an arrival wakes it long before the timer, though not sooner than half a period after a cycle
+  arrival.raise();
+  arrival.raise();
+  REQUIRE(loop.wait(now_ns));
+  const std::int64_t answered_ns = now_ns;
+  CHECK(answered_ns - first_ns >= 100 * kMs);
+  CHECK(answered_ns - first_ns < 200 * kMs);
+  // its absence is noticed after two periods, and then each period has its cycle
+  REQUIRE(loop.wait(now_ns));
+  CHECK(now_ns - answered_ns >= 400 * kMs);
+  const std::int64_t guarded_ns = now_ns;
+  REQUIRE(loop.wait(now_ns));
+  CHECK(now_ns - guarded_ns >= 200 * kMs);
+  CHECK(now_ns - guarded_ns < 400 * kMs);
+  CHECK(loop.missed_cycles() == 0);
+  CHECK(loop.wakeup_latency().snapshot().count == 4);
+}
+
+TEST_CASE("Loop: cycles that this thread slept through are missed, with arrivals or without") {
+  StopFlag::clear();
+  Bus bus(test::settings());
+  Signal arrival;
+  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, 20 * kMs};
+  settings.arrival = &arrival;
+  Loop loop(bus, settings);
+  std::int64_t now_ns = 0;
+  arrival.raise();
+  REQUIRE(loop.wait(now_ns));
+  usleep(210'000);  // due again after 40 ms, so 8 periods too late
+  arrival.raise();
+  REQUIRE(loop.wait(now_ns));
+  CHECK(loop.missed_cycles() >= 8);
+}
+
+TEST_CASE("Inlet: an arrival is raised for what a reader lets in, and for nothing else") {
+  Bus bus(test::settings(ClockMode::kRealtime, 7)), other(test::settings(ClockMode::kRealtime, 7));
+  Signal arrival;
+  Inlet<RobotState> inlet(bus, &arrival);
+  Writer<RobotState> writer(other);
+  REQUIRE(eventually([&] { return writer.matched_readers() > 0; }));
+  auto state = test::plain<RobotState>();
+  writer.write(state, rt::now_ns());
+  CHECK(arrival.wait(10 * kSecond));
+  CHECK(inlet.take(state));
+  state.q_rad[0] = std::nan("");
+  writer.write(state, rt::now_ns());
+  CHECK_FALSE(arrival.wait(100 * kMs));
+}
+
+TEST_CASE("Loop: waiting for an arrival does not allocate") {
+  if (!support::AllocationCounter::counts()) return;
+  StopFlag::clear();
+  Bus bus(test::settings());
+  Signal arrival;
+  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, kMs};
+  settings.arrival = &arrival;
+  Loop loop(bus, settings);
+  std::int64_t now_ns = 0, heap_calls = -1;
+  {
+    const support::AllocationCounter heap;
+    for (int i = 0; i < 20; ++i) {
+      if (i % 2 == 0) arrival.raise();
+      (void)loop.wait(now_ns);
+    }
+    heap_calls = heap.count();
+  }
+  CHECK(heap_calls == 0);
+}
+
 TEST_CASE(
     "Loop: REQUEST_SHUTDOWN to this process stops it and is answered; one to another process is "
     "not ours") {
