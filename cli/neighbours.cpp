@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <thread>
 
 #include <pwd.h>
@@ -25,7 +26,14 @@ bool is_here(const Neighbour& neighbour) { return neighbour.host == wire::host_n
 
 /// A process of this host that has just died is still known on the bus for a while.
 bool lives(const Neighbour& neighbour) {
-  return !is_here(neighbour) || neighbour.pid <= 0 || kill(neighbour.pid, 0) == 0 || errno == EPERM;
+  if (!is_here(neighbour) || neighbour.pid <= 0) return true;
+  if (kill(neighbour.pid, 0) != 0 && errno != EPERM) return false;
+  // dead, but nobody has asked for its exit status yet: pid (name) Z
+  std::ifstream file("/proc/" + std::to_string(neighbour.pid) + "/stat");
+  std::string line;
+  std::getline(file, line);
+  const std::size_t name_end = line.rfind(')');
+  return name_end == std::string::npos || line.compare(name_end, 3, ") Z") != 0;
 }
 
 std::string owner_of(int pid) {
@@ -74,9 +82,12 @@ std::vector<Neighbour> neighbours(const wire::Bus& bus, double seconds) {
     found = look(bus);
   }
   if (found.empty()) return found;
-  // the rest of them is found a moment later, and who is just ending has ended
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  return look(bus);
+  // the rest of them is found a moment later; who is just ending, on a busy machine too, ends
+  for (int i = 0; i < 10 && !found.empty() && !wire::StopFlag::requested(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    found = look(bus);
+  }
+  return found;
 }
 
 std::string text(const std::vector<Neighbour>& all) {
