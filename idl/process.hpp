@@ -27,8 +27,8 @@ class Signal {
   Signal(const Signal&) = delete;
   Signal& operator=(const Signal&) = delete;
   void raise() noexcept;  // RT: no heap, no lock, no throw
-  /// Returns when raised since the last wait, or after the time. @return whether it was raised. RT: no
-  /// heap, no lock, no throw
+  /// Returns when raised since the last wait, or after the time. @return whether it was raised.
+  /// RT: no heap, no lock, no throw
   bool wait(std::int64_t timeout_ns) noexcept;
   std::int64_t raised_ns() const noexcept { return raised_ns_.load(); }  // the last time
 
@@ -56,8 +56,8 @@ class Loop {
     std::int64_t gone_timeout_ns =
         10'000'000'000;  // lockstep: the plant has died, or no tick for six times this
     rt::Statistics* wakeup_latency = nullptr;  // realtime: also added here (the StatusReporter's)
-    /// Realtime: a cycle answers this, at once. Where it is not raised for two periods, a timer goes on
-    /// with one cycle per period. nullptr: the timer alone.
+    /// Realtime: a cycle answers this, at once. Where it is not raised for two periods, a timer goes
+    /// on with one cycle per period. nullptr: the timer alone.
     Signal* arrival = nullptr;
   };
   Loop(Bus& bus, const Settings& settings);

@@ -160,7 +160,9 @@ class Cycle {
   std::int64_t cycles() const noexcept { return static_cast<std::int64_t>(cycles_.load()); }
   int moving_cycles() const noexcept { return shown_moving_.load(std::memory_order_relaxed); }
   bool standing() const noexcept { return shown_standing_.load(std::memory_order_relaxed); }
-  bool waits_for_commands() const noexcept { return shown_waiting_.load(std::memory_order_relaxed); }
+  bool waits_for_commands() const noexcept {
+    return shown_waiting_.load(std::memory_order_relaxed);
+  }
 
  private:
   /// Stands still, but not when it is asked to end.

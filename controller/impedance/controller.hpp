@@ -54,9 +54,9 @@ struct Input {
 
 /// Cycles for which the law acts on the last robot state; the robot itself forgives as many lost
 /// commands. After them the torque fades out and the arm coasts: a law that acts on a state that
-/// does not change drives the arm away. For as many in a row the state may be too old before that is
-/// a fault: after a pause of the whole machine the first one at hand is old, the next ones are not.
-/// Then nothing is sent until states come again, so that the robot stops the arm by itself.
+/// does not change drives the arm away. For as many in a row the state may be too old before that
+/// is a fault: after a pause of the whole machine the first one at hand is old, the next ones are
+/// not. Then nothing is sent until states come again, so that the robot stops the arm by itself.
 constexpr int kPatience = 20;
 
 /// Good robot states in a row after which a controller that recovers alone goes on.
@@ -119,8 +119,8 @@ struct Output {
 ///
 /// The torque changes at most by tau_rate_max * period per cycle. Where what the plan asks changes
 /// faster, and for all of it after a gap or a change of mode, all joints change in proportion: else
-/// the joints that need little torque would have theirs before those that need much, which turns the
-/// elbow and the wrist.
+/// the joints that need little torque would have theirs before those that need much, which turns
+/// the elbow and the wrist.
 ///
 /// A robot of a new session is a new robot: all memory of the old one, a latched stop included, is
 /// dropped.

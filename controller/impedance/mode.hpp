@@ -7,7 +7,7 @@ enum class Mode {
   kWait,   // no robot state was ever seen: nothing is commanded
   kHold,   // no plan to follow: stays where it was, damped
   kTrack,  // follows the plan
-  kStop,   // the robot state cannot be trusted, or a person said so: damps, until a person recovers
+  kStop,   // the robot state cannot be trusted, or a person said so: damps until recovered
 };
 
 struct Health {

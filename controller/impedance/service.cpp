@@ -133,7 +133,8 @@ bool Service::answered(const Pending& pending) {
     if (!ok) text += "; the arm does not stand yet";
   } else {
     ok = snapshot_.steady_cycles >= kSteadyCycles;
-    // whether the robot goes on after another stop is its own word; ours is final where a person must help
+    // whether the robot goes on after another stop is its own word; ours is final where a person
+    // must help
     const bool final = stopped && !snapshot_.ends_alone;
     if (!ok && !final && !late) return false;
     if (!ok && !snapshot_.robot_moves) text += "; the robot does not move";

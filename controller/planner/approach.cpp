@@ -59,7 +59,7 @@ void Approach::advance(const ApproachInput& input, const Eigen::Vector3d& goal) 
   }
   const Eigen::Vector3d lead = reference_ - input.p_WE;
   if (lead.norm() > parameters_.leash) {
-    // an arm that is kept back, by its workspace say, never comes nearer: else both would wait for ever
+    // an arm that is kept back, by its workspace say, never comes nearer: both would wait for ever
     reference_ = input.p_WE + lead * (parameters_.leash / lead.norm());
     velocity_.setZero();
   }

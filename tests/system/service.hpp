@@ -87,10 +87,11 @@ class Service {
   }
   /// @return false if it has not happened after so long in the service's time; or after two minutes
   bool until(const std::function<bool()>& condition, double seconds) {
-    const double end = time() + seconds;
+    std::optional<double> end;  // unknown until the first state tells the time
     const std::int64_t patience_ns = rt::now_ns() + 120'000'000'000;
     while (!condition()) {
-      if ((state_.header.time_ns != 0 && time() > end) || rt::now_ns() > patience_ns) return false;
+      if (!end && state_.header.time_ns != 0) end = time() + seconds;
+      if ((end && time() > *end) || rt::now_ns() > patience_ns) return false;
       look();
     }
     return true;
