@@ -19,6 +19,7 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
+#include "controller/task/circle.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -142,7 +143,7 @@ wire::FaultScope fault_scope(const config::Scenario& scenario) {
 
 wire::TaskTarget to_wire(const planner::Target& target) {
   wire::TaskTarget sample{};
-  if (const auto* circle = std::get_if<planner::CircleTask>(&target)) {
+  if (const auto* circle = std::get_if<task::Circle>(&target)) {
     sample.kind = c3rt_v1_TARGET_CIRCLE;
     std::copy_n(circle->center.data(), 2, sample.center_m);
     sample.radius_m = circle->radius;

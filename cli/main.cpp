@@ -29,6 +29,7 @@
 #include "cli/solve.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
+#include "controller/task/circle.hpp"
 
 namespace {
 
@@ -208,7 +209,7 @@ class CommandLine {
     CLI::App& parent = *group(app_, "target", "Gives the planner another task");
     parent.require_subcommand(1);
     CLI::App* circle = target(parent, "circle", "A circle on the table", [this] {
-      return planner::CircleTask{
+      return task::Circle{
           {position_m_[0], position_m_[1]}, radius_m_, lead_deg_ * kDegree};
     });
     circle->add_option("--center", position_m_, "x and y [m]")

@@ -65,7 +65,7 @@ EstimateRow row_of(const wire::BallEstimate& sample) {
 double wall_time() { return seconds(rt::now_ns()); }
 
 struct Recorder::Topics {
-  Topics(wire::Bus& bus, const std::filesystem::path& directory, const planner::Task& task)
+  Topics(wire::Bus& bus, const std::filesystem::path& directory, const task::Task& task)
       : scene(bus, kDepth),
         state(bus, kDepth),
         command(bus, kDepth),
@@ -253,11 +253,11 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   }
   if (has_plan) live_.plan = plan;
   live_.rolling = topics.task_start.has_value();
-  live_.turns = topics.course.amount();
-  live_.loops = topics.course.completed();
+  live_.turns = topics.course.progress().amount();
+  live_.loops = topics.course.progress().completed();
   live_.steps = topics.seq_last;
   live_.robot_stopped = gave_up;
-  return gave_up || topics.course.completed() >= goal_.loops || live_.time >= goal_.duration;
+  return gave_up || topics.course.progress().completed() >= goal_.loops || live_.time >= goal_.duration;
 }
 
 }  // namespace c3rt::cli

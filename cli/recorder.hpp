@@ -19,7 +19,7 @@ namespace c3rt::cli {
 
 /// When the recording has seen enough.
 struct Goal {
-  planner::Task task;
+  task::Task task;
   int loops;
   double duration;  // from the first sample of the scene [s]
 };

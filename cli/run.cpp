@@ -94,7 +94,7 @@ std::vector<std::string> reflex_names(std::uint64_t bits) {
 int run(const LaunchSettings& settings) {
   Launch launch(settings);
   const config::Scenario& scenario = launch.scenario();
-  const planner::Task& task = scenario.task.motion;
+  const task::Task& task = scenario.task.motion;
   std::vector<Limit> limits;
   for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
 
@@ -103,17 +103,16 @@ int run(const LaunchSettings& settings) {
   fmt::print("results in {}\n", launch.out().string());
   std::fflush(stdout);
 
-  // of a line every ball counts
-  const int course_goal = std::holds_alternative<planner::LineTask>(task)
-                              ? static_cast<int>(scenario.plant.world.balls.size())
-                              : scenario.task.loops;
+  // of a task that is done once every ball counts
+  const int course_goal = task.repeats() ? scenario.task.loops
+                                         : static_cast<int>(scenario.plant.world.balls.size());
   launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
                     {task, scenario.task.loops, scenario.task.duration_s});
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
-      unit(task), course_goal, scenario.task.duration_s);
+      task.unit(), course_goal, scenario.task.duration_s);
   launch.start(supervisor, true);
   const Ending ending = watch(supervisor, recorder, table);
   const Live live = recorder.live();

@@ -2,61 +2,45 @@
 
 #include "controller/impedance/load_parameters.hpp"
 #include "controller/planner/load_parameters.hpp"
+#include "controller/task/registry.hpp"
 #include "plant_emulator/load_parameters.hpp"
 #include "vision/load_parameters.hpp"
 
 namespace c3rt::config {
 namespace {
 
-planner::CircleTask load_circle(Section& section) {
-  planner::CircleTask circle{};
-  circle.center = section.numbers("center_m", 2, {-1, 1});
-  circle.radius = section.number("radius_m", {0.01, 0.5});
-  circle.lead = section.number("lead_rad", {-3.14, 3.14});
-  return circle;
-}
-
-planner::PathTask load_path(Section& section) {
-  planner::PathTask path{};
-  const Eigen::MatrixXd points = section.rows("points_m", 2, 1000, 2, {-1, 1});
-  for (Eigen::Index i = 0; i < points.rows(); ++i) path.points.push_back(points.row(i).transpose());
-  path.interval = section.number("interval_s", {0.01, 100});
-  path.between = section.choice<planner::Between>(
-      "between",
-      {{"hold", planner::Between::kHold}, {"interpolate", planner::Between::kInterpolate}});
-  path.lead = section.number("lead_s", {0, 10});
-  path.preview = section.boolean("preview");
-  return path;
-}
-
-planner::LineTask load_line(Section& section) {
-  planner::LineTask line{};
-  line.x = section.number("x_m", {-1, 1});
-  line.step = section.number("step_m", {-0.2, 0.2});
-  if (line.step == 0.0) section.fail("step_m", "a step that is not 0", "0");
-  line.y_end = section.number("y_end_m", {-1, 1});
-  line.spacing = section.number("spacing_m", {0, 0.5});
-  return line;
-}
-
-/// Keys of another kind are left unread, which finish() refuses.
-Task load_task(Section section) {
-  Task task{};
-  enum class Kind { kCircle, kPath, kLine };
-  const Kind kind = section.choice<Kind>(
-      "kind", {{"circle", Kind::kCircle}, {"path", Kind::kPath}, {"line", Kind::kLine}});
-  switch (kind) {
-    case Kind::kCircle:
-      task.motion = load_circle(section);
-      break;
-    case Kind::kPath:
-      task.motion = load_path(section);
-      break;
-    case Kind::kLine:
-      task.motion = load_line(section);
-      break;
+/// A task's parameters from its section. Keys of another kind are left unread, which finish()
+/// refuses.
+class TaskSection final : public task::Source {
+ public:
+  explicit TaskSection(Section& section) : section_(section) {}
+  double number(const std::string& key, double min, double max) override {
+    return section_.number(key, {min, max});
   }
-  task.loops = kind == Kind::kLine ? 1 : section.integer("loops", {1, 100000});
+  bool boolean(const std::string& key) override { return section_.boolean(key); }
+  Eigen::VectorXd numbers(const std::string& key, int size, double min, double max) override {
+    return section_.numbers(key, size, {min, max});
+  }
+  Eigen::MatrixXd rows(const std::string& key, int min_rows, int max_rows, int columns, double min,
+                       double max) override {
+    return section_.rows(key, min_rows, max_rows, columns, {min, max});
+  }
+  int choice(const std::string& key, const std::vector<std::string>& names) override {
+    return section_.choice(key, names);
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& expected,
+                         const std::string& got) override {
+    section_.fail(key, expected, got);
+  }
+
+ private:
+  Section& section_;
+};
+
+Task load_task(Section section) {
+  TaskSection source(section);
+  Task task{task::load(source), 1, 0.0};
+  if (task.motion.repeats()) task.loops = section.integer("loops", {1, 100000});
   task.duration_s = section.number("duration_s", {0.1, 1e6});
   return task;
 }

@@ -8,13 +8,14 @@
 #include "config/service.hpp"
 #include "controller/impedance/parameters.hpp"
 #include "controller/planner/parameters.hpp"
+#include "controller/task/circle.hpp"
 #include "plant_emulator/parameters.hpp"
 #include "vision/parameters.hpp"
 
 namespace c3rt::config {
 
 struct Task {
-  planner::Task motion;  // what the balls are to do
+  task::Task motion = task::Circle{};  // what the bodies are to do
   int loops;  // the run ends after this many rounds of circle or path; 1 of a line, when all balls
               // have arrived
   double duration_s;  // or after this long

@@ -108,6 +108,16 @@ int Section::integer(const std::string& key, Range allowed) {
   return static_cast<int>(value);
 }
 
+int Section::choice(const std::string& key, const std::vector<std::string>& names) {
+  const std::string value = text(key);
+  std::string known;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (value == names[i]) return static_cast<int>(i);
+    known += (known.empty() ? "" : ", ") + names[i];
+  }
+  fail(key, "one of " + known, "\"" + value + "\"");
+}
+
 bool Section::boolean(const std::string& key) {
   const Tree& child = require(*node_, key);
   if (child.is_scalar() && child.scalar == "true") return true;

@@ -43,16 +43,14 @@ class Section {
                        Range allowed);
   /// A list of exactly `size` numbers where .inf and -.inf stand for no limit.
   Eigen::VectorXd limits(const std::string& key, int size);
+  /// The index of one of these names; the error lists them.
+  int choice(const std::string& key, const std::vector<std::string>& names);
   /// One of the named choices; the error lists them.
   template <typename E>
   E choice(const std::string& key, std::initializer_list<std::pair<const char*, E>> choices) {
-    const std::string value = text(key);
-    std::string names;
-    for (const auto& [name, result] : choices) {
-      if (value == name) return result;
-      names += (names.empty() ? "" : ", ") + std::string(name);
-    }
-    fail(key, "one of " + names, "\"" + value + "\"");
+    std::vector<std::string> names;
+    for (const auto& [name, result] : choices) names.emplace_back(name);
+    return (choices.begin() + choice(key, names))->second;
   }
   bool has(const std::string& key) const;
   /// Whether a key that need not be there is. @throws ConfigError where it is `needed` and is not;

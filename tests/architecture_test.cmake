@@ -23,13 +23,14 @@ function(refuse pattern expression why)
 endfunction()
 
 set(except "load_parameters|load_settings|load_experiment|_main\\.cpp|/service\\.|/servo\\.")
-foreach(room scene lcs c3 horizon miqp model example impedance planner)
+foreach(room scene task lcs c3 horizon miqp model example impedance planner)
   refuse(controller/${room}/ "<dds/|\"idl/|\"config/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco"
     "a pure room may not")
 endforeach()
 refuse(vision/track/ "<dds/|\"idl/|\"config/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco"
   "a pure room may not")
 refuse(controller/scene/ "\"controller/(lcs|c3|horizon|miqp|model|example|impedance|planner|rt)/" "a scene is below everything")
+refuse(controller/task/ "\"controller/(lcs|c3|horizon|miqp|model|example|impedance|planner|rt)/" "a task knows scenes alone")
 refuse(controller/lcs/ "\"controller/(c3|model|impedance|planner|rt)/" "dependency runs the other way")
 refuse(controller/c3/ "\"controller/(model|impedance|planner|rt)/" "dependency runs the other way")
 refuse(controller/horizon/ "\"controller/(miqp|model|impedance|planner|rt)/" "dependency runs the other way")

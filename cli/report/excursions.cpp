@@ -19,7 +19,7 @@ struct Row {
   double error;  // of the worst ball [m]
 };
 
-std::vector<Row> judged_rows(const Series& series, const planner::Task& task, double judged_from) {
+std::vector<Row> judged_rows(const Series& series, const task::Task& task, double judged_from) {
   std::vector<Row> rows;
   const auto task_start = task_start_ns(series);
   if (!task_start) return rows;
@@ -33,7 +33,7 @@ std::vector<Row> judged_rows(const Series& series, const planner::Task& task, do
 
 }  // namespace
 
-ExcursionFigures excursion_figures(const Series& series, const planner::Task& task,
+ExcursionFigures excursion_figures(const Series& series, const task::Task& task,
                                    double judged_from, const std::vector<plant::Push>& pushes) {
   ExcursionFigures figures;
   const std::vector<Row> rows = judged_rows(series, task, judged_from);

@@ -17,7 +17,7 @@ double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_n
 
 /// Figures of one ball from `judged_from` seconds after the task began; each row holds until the
 /// next.
-BallFigures ball_figures(const Series& series, const planner::Task& task, int ball,
+BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
                          std::int64_t start_ns, double judged_from) {
   struct Weighted {
     double error;
@@ -30,7 +30,7 @@ BallFigures ball_figures(const Series& series, const planner::Task& task, int ba
     const double elapsed = seconds(row.time_ns - start_ns);
     if (!(elapsed >= judged_from) || ball >= row.ball_count) continue;
     const double error =
-        planner::path_error(task, elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
+        task.error(elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
     const double duration = seconds(series.scene[i + 1].time_ns - row.time_ns);
     rows.push_back({error, duration});
     total += duration;
@@ -57,14 +57,14 @@ BallFigures ball_figures(const Series& series, const planner::Task& task, int ba
   return figures;
 }
 
-/// When and where one ball came past the end of the line, and where it ended up.
-void add_arrival(const Series& series, const planner::LineTask& line, int ball,
+/// When and where one ball arrived, and where it ended up.
+void add_arrival(const Series& series, const task::Task& task, int ball,
                  std::int64_t start_ns, BallFigures& figures) {
   for (const SceneRow& row : series.scene) {
     if (row.time_ns < start_ns || ball >= row.ball_count) continue;
     const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(ball)].head<2>();
-    figures.end_error = planner::path_error(line, 0.0, at);
-    if (std::isnan(figures.arrived_after) && planner::past_end(line, at.y())) {
+    figures.end_error = task.error(0.0, at);
+    if (std::isnan(figures.arrived_after) && task.arrived(at).value_or(false)) {
       figures.arrived_after = seconds(row.time_ns - start_ns);
       figures.arrival_error = figures.end_error;
     }
@@ -81,7 +81,7 @@ double largest(const std::vector<BallFigures>& balls, double BallFigures::*figur
 }
 
 /// The worst of each figure over the balls; kNone where one ball has none.
-BallFigures worst_figures(const Series& series, const planner::Task& task, int balls,
+BallFigures worst_figures(const Series& series, const task::Task& task, int balls,
                           std::int64_t start_ns, double judged_from) {
   if (balls == 0) return {};
   BallFigures worst = ball_figures(series, task, 0, start_ns, judged_from);
@@ -151,9 +151,9 @@ void add_vision(const Series& series, Figures& figures) {
   }
 }
 
-void add_course(const Series& series, const planner::Task& task,
+void add_course(const Series& series, const task::Task& task,
                 const std::vector<plant::Push>& pushes, Figures& figures) {
-  figures.unit = unit(task);
+  figures.unit = task.unit();
   const auto start_ns = task_start_ns(series);
   if (!start_ns) return;
   figures.task_start = seconds(*start_ns - cli::start_ns(series));
@@ -163,27 +163,20 @@ void add_course(const Series& series, const planner::Task& task,
     balls = std::max(balls, row.ball_count);
     if (row.time_ns >= *start_ns) course.add(seconds(row.time_ns - *start_ns), row);
   }
-  figures.loops_completed = course.completed();
-  figures.loop_times = course.times();
-  figures.turns = course.amount();
+  figures.loops_completed = course.progress().completed();
+  figures.loop_times = course.progress().times();
+  figures.turns = course.progress().amount();
   for (int ball = 0; ball < balls; ++ball)
     figures.balls.push_back(ball_figures(series, task, ball, *start_ns, 0.0));
-  if (const auto* line = std::get_if<planner::LineTask>(&task)) {
+  if (task.arrived(task.middle())) {
     for (int ball = 0; ball < balls; ++ball)
-      add_arrival(series, *line, ball, *start_ns, figures.balls[static_cast<std::size_t>(ball)]);
+      add_arrival(series, task, ball, *start_ns, figures.balls[static_cast<std::size_t>(ball)]);
   }
-  const double from = course.judged_from();
+  const double from = course.progress().judged_from();
   figures.judged = worst_figures(series, task, balls, *start_ns, from);
   figures.out_of_band = excursion_figures(series, task, from, pushes);
-  if (const auto* path = std::get_if<planner::PathTask>(&task)) {
-    const auto figures_of = [&](planner::Between between) {
-      planner::PathTask read = *path;
-      read.between = between;
-      return worst_figures(series, read, balls, *start_ns, from);
-    };
-    figures.path = {figures_of(planner::Between::kHold),
-                    figures_of(planner::Between::kInterpolate)};
-  }
+  for (const auto& [name, reading] : task.readings())
+    figures.readings.emplace_back(name, worst_figures(series, reading, balls, *start_ns, from));
 }
 
 void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
@@ -264,7 +257,7 @@ Latencies latencies(const Series& series) {
   return result;
 }
 
-Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits,
+Figures evaluate(const Series& series, const task::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes) {
   Figures figures;
   if (!series.scene.empty())

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,35 +43,30 @@ struct CriterionResult {
 std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
                                    const std::function<double(const std::string&)>& value_of);
 
-/// Of the distance of a ball to where it should be (planner::path_error), weighted by time.
+/// Of the distance of a ball to where it should be (Task::error), weighted by time.
 struct BallFigures {
   double rms_error = kNone;    // [m]
   double p95_error = kNone;    // [m]
   double max_error = kNone;    // [m]
   double in_band_2cm = kNone;  // share of the time
   double in_band_1cm = kNone;
-  // of a line alone
-  double arrived_after = kNone;  // first past its end, since the task began [s]
+  // of a task with a place to arrive at alone
+  double arrived_after = kNone;  // first there, since the task began [s]
   double arrival_error = kNone;  // distance to the line at that instant [m]
   double end_error = kNone;      // and at the end of the recording [m]
-};
-
-/// The error of a path in time, from its first second on, whichever of the two the planner follows.
-struct PathFigures {
-  BallFigures held;          // to the way-point of the time
-  BallFigures interpolated;  // to the point that moves between them
 };
 
 struct Figures {
   double duration = 0.0;      // of the recording [s]
   double task_start = kNone;  // first plan of the task itself, since the recording's start [s]
   int loops_completed = 0;    // circles, rounds of a path; 1 when all balls are at a line's end
-  double turns = 0.0;         // Course::amount()
+  double turns = 0.0;         // task::Progress::amount()
   std::string unit;           // of turns: circles, rounds, balls
   std::vector<double> loop_times;   // [s]
   std::vector<BallFigures> balls;   // from the start of the task
   BallFigures judged;               // what criteria look at: the worst ball's, when it has settled
-  std::optional<PathFigures> path;  // of a task in time
+  // judged by other readings of the task, by their names
+  std::vector<std::pair<std::string, BallFigures>> readings;
   ExcursionFigures out_of_band;
   // |p_WE − p_WE_desired|, without the first second of tracking [m]
   Spread tracking_error;        // outside the approach
@@ -92,10 +88,10 @@ struct Figures {
   std::vector<CriterionResult> criteria;
 };
 
-/// Everything at once. The criteria look at the time from Course::judged_from() on: a ball that
+/// Everything at once. The criteria look at the time from task::Progress::judged_from() on: a ball that
 /// never got a quarter round its circle meets no band, so that a parked end effector cannot pass.
 /// @param pushes that the scenario's hand gave, in order of time
-Figures evaluate(const Series& series, const planner::Task& task, const std::vector<Limit>& limits,
+Figures evaluate(const Series& series, const task::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes = {});
 
 /// exposure → plan and state → command, exposure → torque, sample by sample [s]

@@ -65,7 +65,7 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
 }
 
 std::string path_script(const Series& series,
-                        const planner::Task& task, const Figures& figures,
+                        const task::Task& task, const Figures& figures,
                         const std::string& title) {
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
   const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
@@ -78,12 +78,7 @@ std::string path_script(const Series& series,
     plots += fmt::format(", $ball{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'", ball,
                          kBallColours[ball], name);
   }
-  // a line begins where its farthest ball does
-  const auto* line = std::get_if<planner::LineTask>(&task);
-  const double y_start = line == nullptr || box.isEmpty() ? 0.0
-                         : line->step < 0.0               ? box.max().y()
-                                                          : box.min().y();
-  const std::vector<Eigen::Vector2d> corners = outline(task, y_start);
+  const std::vector<Eigen::Vector2d> corners = task.outline(box);
   box = shown_of(corners, box);
   const Eigen::Vector2d center = box.center();
   const double reach = 0.5 * box.sizes().maxCoeff() + 2.0 * kBand;
@@ -102,7 +97,7 @@ std::string path_script(const Series& series,
 }
 
 std::string error_script(const Series& series,
-                         const planner::Task& task, const Figures& figures,
+                         const task::Task& task, const Figures& figures,
                          const std::string& title) {
   std::string script = terminal(900, 420), plots;
   bool any = false;
@@ -181,7 +176,7 @@ std::string histogram_panel(const std::string& name, const std::string& label,
 }  // namespace
 
 std::string draw_pictures(const std::filesystem::path& directory, const Series& series,
-                          const planner::Task& task, const Figures& figures,
+                          const task::Task& task, const Figures& figures,
                           const std::string& title) {
   const Latencies measured = latencies(series);
   std::vector<double> solve_times;

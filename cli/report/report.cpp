@@ -93,9 +93,7 @@ ordered_json to_json(const Report& report) {
   ordered_json balls = ordered_json::array();
   for (const BallFigures& ball : figures.balls) balls.push_back(to_json(ball));
   ordered_json path;  // null but for a task in time
-  if (figures.path)
-    path = {{"to_held_points", to_json(figures.path->held)},
-            {"to_interpolated_path", to_json(figures.path->interpolated)}};
+  for (const auto& [name, reading] : figures.readings) path[name] = to_json(reading);
   return {
       {"scenario", report.scenario},
       {"seed", report.seed},
@@ -165,9 +163,10 @@ std::string summary(const Report& report) {
                        shown(ball.arrived_after, 1, 1), shown(ball.arrival_error, kMilli, 1),
                        shown(ball.end_error, kMilli, 1)));
   }
-  if (figures.path) {
-    line("after 1 s, to held", shown(figures.path->held));
-    line("to interpolated", shown(figures.path->interpolated));
+  for (const auto& [name, reading] : figures.readings) {
+    std::string words = name;
+    std::replace(words.begin(), words.end(), '_', ' ');
+    line(words.c_str(), shown(reading));
   }
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
   line("on the way to a ball", shown(figures.approach_error, kMilli, 2) + " mm");

@@ -15,7 +15,7 @@ void fig17(const Context& context) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : track.position)
     mean += p / static_cast<double>(track.position.size());
-  const Eigen::Vector2d offset = mean - planner::middle(scenario_of(run.spec).task.motion);
+  const Eigen::Vector2d offset = mean - scenario_of(run.spec).task.motion.middle();
 
   const auto value = [&report](const char* path, double factor) {
     return shown(figure(report, path) * factor);

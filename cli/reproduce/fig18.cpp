@@ -8,18 +8,16 @@ namespace {
 
 /// The error to the desired point of the time, and to the way-point that is held then [mm].
 Panel error_panel(const TimedPath& path, const campaign::RunResult& run) {
-  auto moving = std::get<planner::PathTask>(scenario_of(run.spec).task.motion);
-  moving.between = planner::Between::kInterpolate;
-  planner::PathTask held = moving;
-  held.between = planner::Between::kHold;
+  const auto readings = scenario_of(run.spec).task.motion.readings();
+  const task::Task &held = readings.at(0).second, &moving = readings.at(1).second;
   const BallTrack track = ball_track(run);
   const auto count = static_cast<Eigen::Index>(track.time.size());
   Eigen::VectorXd time(count), to_moving(count), to_held(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto row = static_cast<std::size_t>(i);
     time[i] = track.time[row];
-    to_moving[i] = 1e3 * planner::path_error(moving, time[i], track.position[row]);
-    to_held[i] = 1e3 * planner::path_error(held, time[i], track.position[row]);
+    to_moving[i] = 1e3 * moving.error(time[i], track.position[row]);
+    to_held[i] = 1e3 * held.error(time[i], track.position[row]);
   }
   const Eigen::Vector2d ends(0.0, count > 0 ? time[count - 1] : 1.0);
   return {path.name,

@@ -117,7 +117,7 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     const planner::Phase phase = planner::phase_at(parameters.heuristic, question.time);
     question.rolling = phase == planner::Phase::kRoll;
     const auto target = [&](double ahead) {
-      return planner::target(parameters.task, question.time, ahead, ball.p_WB.head<2>());
+      return parameters.task.target(scene, 0, question.time, ahead);
     };
     scene::Scene desired;
     desired.body_count = 1;

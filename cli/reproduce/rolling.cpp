@@ -71,8 +71,9 @@ EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
 PathPlot path_plot(const std::string& title, const campaign::RunResult& run) {
   const config::Scenario scenario = scenario_of(run.spec);
   const BallTrack track = ball_track(run);
-  const double y_start = track.position.empty() ? 0.0 : track.position.front().y();
-  return {title, outline(scenario.task.motion, y_start), track.position};
+  Eigen::AlignedBox2d start;
+  if (!track.position.empty()) start.extend(track.position.front());
+  return {title, scenario.task.motion.outline(start), track.position};
 }
 
 double figure(const ordered_json& report, const std::string& path) {

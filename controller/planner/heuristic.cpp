@@ -1,5 +1,6 @@
 #include "controller/planner/heuristic.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace c3rt::planner {
@@ -11,29 +12,21 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed) {
   return part < 1.0 ? Phase::kReturnUp : part < 2.0 ? Phase::kReturnSideways : Phase::kReturnDown;
 }
 
-int balls_behind(const LineTask& task, const scene::Scene& scene, int ball) {
-  const auto place = [&](int i) {
-    return forward(task) * scene.body(i).p_WB.y();
-  };
-  int behind = 0;
-  for (int i = 0; i < scene.body_count; ++i) behind += place(i) < place(ball) ? 1 : 0;
-  return behind;
-}
-
-int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, const scene::Scene& scene,
-                    int now) {
-  const auto* line = std::get_if<LineTask>(&task);
-  if (line == nullptr) return 0;
+int ball_to_work_on(const HeuristicParameters& parameters, const task::Task& task,
+                    const scene::Scene& scene, int now) {
   scene::Scene ahead = scene;
   for (scene::Body& ball : ahead.bodies) ball.p_WB += parameters.look_ahead * ball.v_WB;
-  const auto place = [&](int ball) -> Eigen::Vector2d {
-    return ahead.body(ball).p_WB.head<2>();
-  };
-  const auto along = [&](int ball) {
-    return way_to_go(*line, place(ball), balls_behind(*line, ahead, ball));
+  std::array<task::Along, scene::kMaxBodies> along;
+  for (int i = 0; i < scene.body_count; ++i) {
+    const std::optional<task::Along> of_ball = task.along(ahead, i);
+    if (!of_ball) return 0;
+    along[static_cast<std::size_t>(i)] = *of_ball;
+  }
+  const auto of = [&](int ball) -> const task::Along& {
+    return along[static_cast<std::size_t>(ball)];
   };
   const auto way = [&](int ball) {
-    return std::abs(along(ball)) + parameters.beside_weight * std::abs(place(ball).x() - line->x);
+    return std::abs(of(ball).way) + parameters.beside_weight * of(ball).beside;
   };
   int chosen = now;
   for (int i = 0; i < scene.body_count; ++i) {
@@ -45,11 +38,11 @@ int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, con
     int in_the_way = chosen;
     double nearest = parameters.room_ahead;
     for (int i = 0; i < scene.body_count; ++i) {
-      const Eigen::Vector2d apart = place(i) - place(chosen);
-      const bool has_to_go = along(i) > parameters.change_margin;
-      if (has_to_go && forward(*line) * apart.y() > 0.0 && apart.norm() < nearest) {
+      const double apart = (ahead.body(i).p_WB - ahead.body(chosen).p_WB).head<2>().norm();
+      const bool has_to_go = of(i).way > parameters.change_margin;
+      if (has_to_go && of(i).place > of(chosen).place && apart < nearest) {
         in_the_way = i;
-        nearest = apart.norm();
+        nearest = apart;
       }
     }
     if (in_the_way == chosen) break;

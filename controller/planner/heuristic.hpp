@@ -12,15 +12,12 @@ enum class Phase { kRoll, kReturnUp, kReturnSideways, kReturnDown };
 /// The phase at `elapsed` seconds after C3 took over; a cycle begins with Phase II.
 Phase phase_at(const HeuristicParameters& parameters, double elapsed);
 
-/// How many balls are behind one on the line.
-int balls_behind(const LineTask& task, const scene::Scene& scene, int ball);
-
 /// The ball that the end effector is to work on in the next cycle. Along a line it is the one that
 /// has the farthest way to its place, the way to the line included [C3, section VII-B: the one that
 /// is farthest behind], but the one in its way if there is one that is not at its place yet. Of
 /// other tasks it is the first.
 /// @param now the one that is worked on: another one has to be worth the change
-int ball_to_work_on(const HeuristicParameters& parameters, const Task& task, const scene::Scene& scene,
+int ball_to_work_on(const HeuristicParameters& parameters, const task::Task& task, const scene::Scene& scene,
                     int now);
 
 /// Where the end effector is drawn to in this phase, in W [m].

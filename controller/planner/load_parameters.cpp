@@ -106,7 +106,7 @@ DisturbanceParameters load_disturbance(config::Section section) {
 
 }  // namespace
 
-Parameters load_parameters(config::Section section, const Task& task, int balls) {
+Parameters load_parameters(config::Section section, const task::Task& task, int balls) {
   Parameters parameters{};
   parameters.task = task;
   parameters.rate = section.number("rate_hz", {1, 1000});

@@ -11,8 +11,8 @@
 #include "controller/c3/solver.hpp"
 #include "controller/model/contact_model.hpp"
 #include "controller/model/registry.hpp"
-#include "controller/planner/task.hpp"
 #include "controller/planner/weights.hpp"
+#include "controller/task/circle.hpp"
 
 namespace c3rt::planner {
 
@@ -103,7 +103,7 @@ struct Parameters {
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;
   ApproachParameters approach;
-  Task task;
+  task::Task task = task::Circle{};
   DeltaTcSource delta_t_c_source;
   double speed_limit;     // of the planned end effector [m/s]
   bool predict_ball;      // carry the estimated ball on to the time of the arm's state

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller/model/ball_model.hpp"
+#include "controller/task/circle.hpp"
 
 namespace c3rt::planner {
 namespace {
@@ -362,15 +363,11 @@ Eigen::Vector2d Planner::target(const Input& input, double ahead, const scene::S
                                 int ball) const noexcept {
   const Eigen::Vector2d at = scene.body(ball).p_WB.head<2>();
   const double reach = parameters_.heuristic.target_reach;
-  if (const auto* circle = std::get_if<CircleTask>(&input.target))
-    return paced(at, circle_target(*circle, at), std::min(reach, kTargetPace));
+  if (const auto* circle = std::get_if<task::Circle>(&input.target))
+    return paced(at, circle->next(at), std::min(reach, kTargetPace));
   if (const auto* point = std::get_if<PointTarget>(&input.target))
     return paced(at, point->point, std::min(reach, kTargetPace));
-  const auto* line = std::get_if<LineTask>(&parameters_.task);
-  const Eigen::Vector2d wanted =
-      line ? line_target(*line, at, balls_behind(*line, scene, ball))
-           : planner::target(parameters_.task, elapsed(input), ahead, at);
-  return paced(at, wanted, reach);
+  return paced(at, parameters_.task.target(scene, ball, elapsed(input), ahead), reach);
 }
 
 double Planner::elapsed(const Input& input) const noexcept {
@@ -463,7 +460,7 @@ void Planner::plan_with_c3(const Input& input, const scene::Scene& scene, c3::De
       const double ahead = k * parameters_.dt;
       desired.bodies[ball].p_WB << target(input, ahead, seen, i), ball_height;
       const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
-                                    ? target_velocity(parameters_.task, elapsed(input), ahead)
+                                    ? parameters_.task.velocity(elapsed(input), ahead)
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero());
       desired.bodies[ball].v_WB << v, 0.0;
       // rolling without slipping

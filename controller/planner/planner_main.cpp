@@ -21,6 +21,7 @@
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
 #include "idl/replies.hpp"
+#include "controller/task/circle.hpp"
 
 namespace {
 
@@ -74,7 +75,7 @@ planner::Target target_of(const wire::TaskTarget& sample) {
     case c3rt_v1_TARGET_HOLD:
       return planner::HoldTarget{};
     case c3rt_v1_TARGET_CIRCLE:
-      return planner::CircleTask{at, sample.radius_m, sample.lead_rad};
+      return task::Circle{at, sample.radius_m, sample.lead_rad};
     case c3rt_v1_TARGET_POINT:
       return planner::PointTarget{at};
   }

@@ -1,4 +1,5 @@
 #include "controller/planner/target.hpp"
+#include "controller/task/circle.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -33,7 +34,7 @@ TargetVerdict several(const TargetLimits& limits, const char* what) {
                     limits.balls, what));
 }
 
-TargetVerdict check_circle(const CircleTask& circle, const TargetLimits& limits) {
+TargetVerdict check_circle(const task::Circle& circle, const TargetLimits& limits) {
   if (limits.balls != 1) return several(limits, "circle");
   if (!circle.center.allFinite() || !std::isfinite(circle.radius) || !std::isfinite(circle.lead)) {
     return fault(TargetFault::kNotFinite,
@@ -89,13 +90,13 @@ TargetLimits target_limits(const Parameters& parameters) {
 }
 
 TargetVerdict check(const Target& target, const TargetLimits& limits) {
-  if (const auto* circle = std::get_if<CircleTask>(&target)) return check_circle(*circle, limits);
+  if (const auto* circle = std::get_if<task::Circle>(&target)) return check_circle(*circle, limits);
   if (const auto* point = std::get_if<PointTarget>(&target)) return check_point(*point, limits);
   return {TargetFault::kNone, {}};
 }
 
 std::string describe(const Target& target) {
-  if (const auto* circle = std::get_if<CircleTask>(&target)) {
+  if (const auto* circle = std::get_if<task::Circle>(&target)) {
     return text("circle about (%g, %g) m, radius %g m, lead %g deg", circle->center.x(),
                 circle->center.y(), circle->radius, circle->lead / kDegree);
   }

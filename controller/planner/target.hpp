@@ -18,7 +18,7 @@ struct PointTarget {
   Eigen::Vector2d point;  // in W [m]
 };
 
-using Target = std::variant<ScenarioTarget, HoldTarget, CircleTask, PointTarget>;
+using Target = std::variant<ScenarioTarget, HoldTarget, task::Circle, PointTarget>;
 
 /// A client's target is drawn no farther from the ball than this, or a ball that is far from a new
 /// circle would be thrown at it [m].

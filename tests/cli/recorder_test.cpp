@@ -9,6 +9,7 @@
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
 #include "tests/idl/samples.hpp"
+#include "controller/task/circle.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -25,7 +26,7 @@ wire::BusSettings settings(std::uint64_t session) {
 
 TEST_CASE("Recorder: samples that cannot be are refused, not followed, and told") {
   const Folder folder;
-  Goal goal{planner::CircleTask{{0.55, 0.0}, 0.1, 0.0}, 3, 60.0};
+  Goal goal{task::Circle{{0.55, 0.0}, 0.1, 0.0}, 3, 60.0};
   Recorder recorder(settings(7), folder.path() / "log", goal);
   // a process of the run gone wrong: of the right session, and nobody else writes
   wire::Bus bus(settings(7));

@@ -7,12 +7,15 @@
 #include <catch2/catch.hpp>
 
 #include "controller/example/load_experiment.hpp"
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
 
 using c3rt::config::ConfigError;
 using c3rt::config::Document;
 using c3rt::config::load_scenario;
 using c3rt::config::Section;
-using c3rt::planner::CircleTask;
+using c3rt::task::Circle;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -69,7 +72,7 @@ TEST_CASE("scenario: every shipped file can be loaded, and is named as its file"
     const c3rt::config::Scenario scenario = load_scenario(file);
     CHECK(scenario.name == entry.path().stem());
     CHECK_FALSE(scenario.description.empty());
-    CHECK(scenario.task.motion.index() == scenario.planner.task.index());
+    CHECK(std::string(scenario.task.motion.kind()) == scenario.planner.task.kind());
     CHECK_FALSE(scenario.criteria.empty());
     CHECK_FALSE(scenario.plant.world.balls.empty());
     ++scenarios;
@@ -80,9 +83,9 @@ TEST_CASE("scenario: every shipped file can be loaded, and is named as its file"
 
 TEST_CASE("scenario: the task of a circle is the planner's, too") {
   const c3rt::config::Scenario scenario = load_scenario(kFolder + "circle_slow.yaml");
-  const auto& circle = std::get<CircleTask>(scenario.task.motion);
+  const auto& circle = *scenario.task.motion.as<c3rt::task::Circle>();
   CHECK(circle.radius == 0.1);
-  CHECK(std::get<CircleTask>(scenario.planner.task).lead == circle.lead);
+  CHECK(scenario.planner.task.as<c3rt::task::Circle>()->lead == circle.lead);
 }
 
 TEST_CASE(
@@ -93,7 +96,7 @@ TEST_CASE(
     CAPTURE(name);
     const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
     CHECK(scenario.name == name);
-    const auto& path = std::get<c3rt::planner::PathTask>(scenario.task.motion);
+    const auto& path = *scenario.task.motion.as<c3rt::task::Path>();
     const Eigen::Vector2d ball = scenario.plant.world.balls.at(0).position;
     CHECK((ball - path.points.front()).norm() < 1e-9);
     for (std::size_t i = 0; i < path.points.size(); ++i) {
@@ -127,18 +130,18 @@ TEST_CASE("scenario: a key of any room that is out of range is refused by line, 
 
 TEST_CASE("scenario: each kind of task is read, and the planner has the same") {
   const c3rt::config::Scenario path_scenario = with_task(kPath);
-  const auto& path = std::get<c3rt::planner::PathTask>(path_scenario.task.motion);
+  const auto& path = *path_scenario.task.motion.as<c3rt::task::Path>();
   REQUIRE(path.points.size() == 2);
   CHECK(path.points[1] == Eigen::Vector2d(0.6, 0.1));
   CHECK(path.interval == 2.0);
-  CHECK(path.between == c3rt::planner::Between::kHold);
+  CHECK(path.between == c3rt::task::Between::kHold);
   CHECK(path.lead == 0.1);
   CHECK(path.preview);
   CHECK(path_scenario.task.loops == 3);
-  CHECK(std::holds_alternative<c3rt::planner::PathTask>(path_scenario.planner.task));
+  CHECK(path_scenario.planner.task.as<c3rt::task::Path>() != nullptr);
 
   const c3rt::config::Scenario line_scenario = with_task(kLine);
-  const auto& line = std::get<c3rt::planner::LineTask>(line_scenario.task.motion);
+  const auto& line = *line_scenario.task.motion.as<c3rt::task::Line>();
   CHECK(line.x == 0.55);
   CHECK(line.step == -0.01);
   CHECK(line.y_end == -0.1);

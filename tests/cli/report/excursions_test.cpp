@@ -7,13 +7,14 @@
 #include <catch2/catch.hpp>
 
 #include "cli/report/metrics.hpp"
+#include "controller/task/circle.hpp"
 
 namespace {
 
 using namespace c3rt::cli;
 
 constexpr std::int64_t kMs = 1'000'000;
-const c3rt::planner::CircleTask kCircle{{0.55, 0.0}, 0.1, 0.35};
+const c3rt::task::Circle kCircle{{0.55, 0.0}, 0.1, 0.35};
 
 /// A ball that goes round in 20 s, off the circle by what `off` says; 10 ms per row, for 40 s.
 Series round_trip(const std::function<double(double)>& off) {

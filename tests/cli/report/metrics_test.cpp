@@ -1,5 +1,8 @@
 // Synthetic runs whose figures are known in closed form.
 #include "cli/report/metrics.hpp"
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
 
 #include <cmath>
 
@@ -10,7 +13,7 @@ namespace {
 using namespace c3rt::cli;
 
 constexpr std::int64_t kMs = 1'000'000;
-const c3rt::planner::CircleTask kCircle{{0.55, 0.0}, 0.1, 0.35};
+const c3rt::task::Circle kCircle{{0.55, 0.0}, 0.1, 0.35};
 
 /// A ball that goes round a circle of `radius` about `center` at constant speed; 10 ms per row.
 Series orbit(const Eigen::Vector2d& center, double radius, double turns_per_s, double duration) {
@@ -50,7 +53,7 @@ TEST_CASE("a ball on the circle at constant speed has no error and equal loop ti
 }
 
 TEST_CASE("loops count in the task's direction only") {
-  c3rt::planner::CircleTask other_way = kCircle;
+  c3rt::task::Circle other_way = kCircle;
   other_way.lead = -0.35;
   const Figures figures = evaluate(orbit(kCircle.center, 0.1, 0.05, 50.0), other_way, {});
   REQUIRE(figures.loops_completed == 0);
@@ -58,13 +61,14 @@ TEST_CASE("loops count in the task's direction only") {
 }
 
 TEST_CASE("going back and forth over the start completes no loop") {
-  LoopCounter loops(kCircle);
+  const auto loops = kCircle.progress();
   for (int i = 0; i < 1000; ++i) {
     const double angle = 0.5 * std::sin(0.1 * i);
-    loops.add(0.01 * i, kCircle.center + 0.1 * Eigen::Vector2d(std::sin(angle), std::cos(angle)));
+    loops->add(0.01 * i,
+               {kCircle.center + 0.1 * Eigen::Vector2d(std::sin(angle), std::cos(angle))});
   }
-  REQUIRE(loops.completed() == 0);
-  REQUIRE(std::abs(loops.turns()) < 0.1);
+  REQUIRE(loops->completed() == 0);
+  REQUIRE(std::abs(loops->amount()) < 0.1);
 }
 
 TEST_CASE("an offset circle has the errors of its offset") {
@@ -141,9 +145,9 @@ TEST_CASE("the task starts with the first plan that rolls, not with the approach
 namespace {
 /// A straight path there and back at 0.02 m/s, 0.02 m a way-point, and a ball that follows it
 /// `late` seconds late; 10 ms per row, the task begins after 3 s.
-const c3rt::planner::PathTask kThereAndBack{{{0.5, 0.0}, {0.52, 0.0}, {0.54, 0.0}, {0.52, 0.0}},
+const c3rt::task::Path kThereAndBack{{{0.5, 0.0}, {0.52, 0.0}, {0.54, 0.0}, {0.52, 0.0}},
                                             1.0,
-                                            c3rt::planner::Between::kInterpolate,
+                                            c3rt::task::Between::kInterpolate,
                                             0.0,
                                             true};
 Series follower(double late, double duration) {
@@ -153,7 +157,7 @@ Series follower(double late, double duration) {
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
     row.ball_count = 1;
-    row.p_WB[0].head<2>() = path_point(kThereAndBack, 0.01 * i - 3.0 - late);
+    row.p_WB[0].head<2>() = kThereAndBack.point(0.01 * i - 3.0 - late);
     series.scene.push_back(row);
   }
   return series;
@@ -168,11 +172,11 @@ TEST_CASE("a path in time is judged by the distance to the point of the time") {
   CHECK(figures.turns == Approx(10.0));
   CHECK(figures.loops_completed == 10);
   CHECK(figures.unit == "rounds");
-  REQUIRE(figures.path);
+  REQUIRE(figures.readings.size() == 2);
   CHECK(figures.judged.max_error == Approx(0.01).margin(1e-9));
   const double rms = std::sqrt((3.0 * 100.0 + 1.0 * 100.0 / 3.0) / 4.0) * 1e-3;
   CHECK(figures.judged.rms_error == Approx(rms).epsilon(0.01));
-  CHECK(figures.path->interpolated.rms_error == Approx(figures.judged.rms_error));
+  CHECK(figures.readings[1].second.rms_error == Approx(figures.judged.rms_error));
 }
 
 TEST_CASE("held way-points show a ball that follows the interpolated path without error as late") {
@@ -180,9 +184,9 @@ TEST_CASE("held way-points show a ball that follows the interpolated path withou
   // (20 mm)²/3
   const Figures figures = evaluate(follower(0.0, 43.0), kThereAndBack, {});
   CHECK(figures.judged.max_error < 1e-9);
-  REQUIRE(figures.path);
-  CHECK(figures.path->held.rms_error == Approx(0.02 / std::sqrt(3.0)).epsilon(0.01));
-  CHECK(figures.path->held.max_error == Approx(0.02).epsilon(0.02));
+  REQUIRE(figures.readings.size() == 2);
+  CHECK(figures.readings[0].second.rms_error == Approx(0.02 / std::sqrt(3.0)).epsilon(0.01));
+  CHECK(figures.readings[0].second.max_error == Approx(0.02).epsilon(0.02));
 }
 
 TEST_CASE("criteria on a path look at the time after its first second") {
@@ -202,7 +206,7 @@ TEST_CASE("criteria on a path look at the time after its first second") {
 }
 
 TEST_CASE("a line is done when all balls are past its end, and the worst ball is judged") {
-  const c3rt::planner::LineTask line{0.55, -0.01, -0.1, 0.08};
+  const c3rt::task::Line line{0.55, -0.01, -0.1, 0.08};
   Series series;
   series.plan.push_back({0, 0, 0, true, false, false, 0.001});
   for (int i = 0; i <= 1000; ++i) {  // both at 0.05 m/s; the second is 0.1 m behind and 5 mm beside

@@ -7,6 +7,7 @@
 
 #include "cli/report/pictures.hpp"
 #include "tests/cli/folder.hpp"
+#include "controller/task/circle.hpp"
 
 namespace {
 
@@ -60,7 +61,7 @@ TEST_CASE("what a run did not give is null, not a number that looks like one") {
 
 TEST_CASE("every picture is drawn, also of a run without a single sample") {
   const Folder folder;
-  const c3rt::planner::CircleTask circle{{0.55, 0.0}, 0.1, 0.35};
+  const c3rt::task::Circle circle{{0.55, 0.0}, 0.1, 0.35};
   REQUIRE(draw_pictures(folder.path(), Series{}, circle, Figures{}, "a \"quoted\" title") == "");
   for (const char* name :
        {"path.png", "path_error.png", "end_effector_error.png", "solve_time.png", "latency.png"}) {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "cli/report/metrics.hpp"
+#include "controller/task/line.hpp"
 
 namespace {
 
@@ -74,7 +75,7 @@ TEST_CASE("the way to a ball, also from one to the next, is left out of the trac
   REQUIRE(tracking.approach.error.size() == 700);  // 0.3 s after the first second, then 0.4 s
   REQUIRE(largest(tracking.approach) == Approx(0.008));
 
-  const c3rt::planner::LineTask line{};
+  const c3rt::task::Line line{};
   const Figures figures = evaluate(series, line, {{"tracking_error_max_m", {}, 0.003}});
   REQUIRE(figures.tracking_error.max == Approx(0.002));
   REQUIRE(figures.approach_error.max == Approx(0.008));

@@ -1,5 +1,8 @@
 // Plant, emulated sensing, planner and impedance law in one process: what the whole is for.
 #include "tests/support/closed_loop.hpp"
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +25,7 @@ Course run(const std::string& scenario_name, std::uint64_t seed, double seconds,
            const std::vector<std::string>& overrides = {}) {
   const config::Scenario scenario = config::load_scenario(
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml", overrides);
-  const auto& circle = std::get<planner::CircleTask>(scenario.task.motion);
+  const auto& circle = *scenario.task.motion.as<c3rt::task::Circle>();
   test::ClosedLoop loop(scenario, seed);
   Course course;
   double previous = 0.0;
@@ -85,12 +88,12 @@ TEST_CASE(
     "closed loop: the ball follows a rectangle in time, never 2 cm from the point of the time") {
   const config::Scenario scenario =
       config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/path_rectangle.yaml");
-  const auto& path = std::get<planner::PathTask>(scenario.task.motion);
+  const auto& path = *scenario.task.motion.as<c3rt::task::Path>();
   test::ClosedLoop loop(scenario, 1);
   double start = -1.0, largest = 0.0, squares = 0.0;
   int rows = 0;
   Eigen::AlignedBox2d visited;
-  while (start < 0.0 || loop.time() - start < planner::round_duration(path)) {
+  while (start < 0.0 || loop.time() - start < path.round_duration()) {
     loop.step_1ms();
     REQUIRE(loop.time() < 100.0);
     const bool rolling =
@@ -98,7 +101,7 @@ TEST_CASE(
     if (start < 0.0 && rolling) start = loop.time();
     if (start < 0.0 || loop.time() - start < 1.0) continue;
     const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
-    const double error = (ball - planner::path_point(path, loop.time() - start)).norm();
+    const double error = (ball - path.point(loop.time() - start)).norm();
     largest = std::max(largest, error);
     squares += error * error;
     ++rows;
@@ -118,7 +121,7 @@ namespace {
 double bring_along_the_line(const std::string& scenario_name, std::uint64_t seed, double seconds) {
   const config::Scenario scenario = config::load_scenario(
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
-  const auto& line = std::get<planner::LineTask>(scenario.task.motion);
+  const auto& line = *scenario.task.motion.as<c3rt::task::Line>();
   const std::size_t balls = scenario.plant.world.balls.size();
   test::ClosedLoop loop(scenario, seed);
   std::vector<double> beside(balls, 0.0);  // until each has arrived
@@ -127,7 +130,7 @@ double bring_along_the_line(const std::string& scenario_name, std::uint64_t seed
     bool arrived = true;
     for (std::size_t i = 0; i < balls; ++i) {
       const Eigen::Vector3d ball = loop.plant().state().balls[i].p_WB;
-      if (planner::past_end(line, ball.y())) continue;
+      if (line.past_end(ball.y())) continue;
       arrived = false;
       beside[i] = std::abs(ball.x() - line.x);
     }
@@ -190,7 +193,7 @@ TEST_CASE(
     CAPTURE(start.scenario, start.seed, start.at);
     const config::Scenario scenario =
         config::load_scenario(scenario_file(start.scenario), emulated(start.scenario));
-    const auto& circle = std::get<planner::CircleTask>(scenario.task.motion);
+    const auto& circle = *scenario.task.motion.as<c3rt::task::Circle>();
     test::ClosedLoop loop(scenario, start.seed);
     run_until(loop, start.at);
     REQUIRE(ball_speed(loop, 0) > 0.02);
@@ -243,7 +246,7 @@ TEST_CASE("closed loop: a hold that ends while the ball is being stopped goes on
 
 TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes on") {
   const config::Scenario scenario = config::load_scenario(scenario_file("three_balls_plus"));
-  const auto& line = std::get<planner::LineTask>(scenario.task.motion);
+  const auto& line = *scenario.task.motion.as<c3rt::task::Line>();
   test::ClosedLoop loop(scenario, 1);
   run_until(loop, 8.3);
   loop.set_target(planner::HoldTarget{});
@@ -256,7 +259,7 @@ TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes o
     loop.step_1ms();
     arrived = 0;
     for (int i = 0; i < 3; ++i)
-      arrived += planner::past_end(line, loop.plant().state().balls[static_cast<std::size_t>(i)].p_WB.y());
+      arrived += line.past_end(loop.plant().state().balls[static_cast<std::size_t>(i)].p_WB.y());
   }
   CHECK(arrived == 3);
 }

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "controller/planner/planner.hpp"
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
 
 using namespace c3rt;
 using namespace c3rt::planner;
@@ -94,7 +96,7 @@ TEST_CASE("planner mode: what comes next in every situation") {
 }
 
 namespace {
-const LineTask kLine{0.55, -0.01, -0.1, 0.08};
+const task::Line kLine{0.55, -0.01, -0.1, 0.08};
 
 scene::Scene balls_at(const std::vector<Vector2d>& places) {
   scene::Scene scene;
@@ -113,7 +115,7 @@ TEST_CASE("heuristic: along a line the ball that is farthest behind is worked on
   CHECK(choice(balls_at({{0.55, 0.2}, {0.55, 0.05}}), 1) == 0);
   CHECK(choice(balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 1);
   CHECK(choice(balls_at({{0.55, 0.0}, {0.55, 0.13}, {0.55, 0.26}, {0.55, -0.13}}), 0) == 2);
-  CHECK(ball_to_work_on(kHeuristic, CircleTask{{0.55, 0.0}, 0.1, 0.3},
+  CHECK(ball_to_work_on(kHeuristic, task::Circle{{0.55, 0.0}, 0.1, 0.3},
                         balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 0);
 }
 

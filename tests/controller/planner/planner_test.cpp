@@ -8,6 +8,7 @@
 
 #include "config/scenario.hpp"
 #include "controller/model/ball_model.hpp"
+#include "controller/task/line.hpp"
 
 using namespace c3rt;
 using namespace c3rt::planner;
@@ -477,7 +478,7 @@ TEST_CASE("planner: of several balls each has its states, each pair its forces")
 
 TEST_CASE("planner: several balls are planned for, the one behind is approached and worked on") {
   const Parameters p = several("two_balls");
-  const double step = std::get<LineTask>(p.task).step;
+  const double step = p.task.as<c3rt::task::Line>()->step;
   Planner planner(p);
   Vector3d p_WE(0.55, 0.0, 0.08), v_WE = Vector3d::Zero();
   double now = 0.0;

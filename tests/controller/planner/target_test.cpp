@@ -1,10 +1,12 @@
 #include "controller/planner/target.hpp"
+#include "controller/task/circle.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>
 
+using namespace c3rt;
 using namespace c3rt::planner;
 using Catch::Contains;
 
@@ -17,14 +19,14 @@ const double kInfinity = std::numeric_limits<double>::infinity();
 /// As the circles of the paper have it: reach of 0.35 to 0.75 m by −0.3 to 0.3 m.
 TargetLimits limits(int balls = 1) {
   Parameters parameters{};
-  parameters.balls = balls;
+  parameters.model.bodies = balls;
   parameters.approach.reach_min = {0.35, -0.3};
   parameters.approach.reach_max = {0.75, 0.3};
   return target_limits(parameters);
 }
 
 TargetVerdict circle(double x, double y, double radius, double lead_deg) {
-  return check(CircleTask{{x, y}, radius, lead_deg * kDegree}, limits());
+  return check(task::Circle{{x, y}, radius, lead_deg * kDegree}, limits());
 }
 
 TargetVerdict point(double x, double y) { return check(PointTarget{{x, y}}, limits()); }
@@ -91,7 +93,7 @@ TEST_CASE("target: a point is within reach") {
 
 TEST_CASE("target: circles and points are for one ball") {
   for (const Target& target :
-       {Target(CircleTask{{0.55, 0.0}, 0.1, 20.0 * kDegree}), Target(PointTarget{{0.55, 0.0}})}) {
+       {Target(task::Circle{{0.55, 0.0}, 0.1, 20.0 * kDegree}), Target(PointTarget{{0.55, 0.0}})}) {
     const TargetVerdict verdict = check(target, limits(3));
     CHECK(verdict.fault == TargetFault::kSeveralBalls);
     CHECK_THAT(verdict.sentence, Contains("3 balls"));

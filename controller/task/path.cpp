@@ -1,0 +1,88 @@
+#include "controller/task/path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace c3rt::task {
+namespace {
+
+constexpr double kFirstSecond = 1.0;  // [s]
+
+/// Between which two way-points the path is, and how far from the first to the second.
+struct Place {
+  std::size_t from, to;
+  double share;
+};
+
+Place place_at(const Path& path, double elapsed) noexcept {
+  const double place =
+      std::fmod(std::max(elapsed, 0.0), path.round_duration()) / path.interval;
+  const std::size_t count = path.points.size();
+  const std::size_t from = std::min(static_cast<std::size_t>(place), count - 1);
+  return {from, (from + 1) % count, place - static_cast<double>(from)};
+}
+
+class PathProgress final : public Progress {
+ public:
+  explicit PathProgress(double round_duration) : round_duration_(round_duration) {}
+  void add(double elapsed, const std::vector<Eigen::Vector2d>&) override { elapsed_ = elapsed; }
+  double amount() const override { return elapsed_ / round_duration_; }
+  int completed() const override { return static_cast<int>(amount()); }
+  std::vector<double> times() const override { return {}; }
+  double judged_from() const override { return kFirstSecond; }
+
+ private:
+  double round_duration_;
+  double elapsed_ = 0.0;
+};
+
+}  // namespace
+
+Path Path::load(Source& source) {
+  Path path{};
+  const Eigen::MatrixXd points = source.rows("points_m", 2, 1000, 2, -1, 1);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) path.points.push_back(points.row(i).transpose());
+  path.interval = source.number("interval_s", 0.01, 100);
+  path.between =
+      source.choice("between", {"hold", "interpolate"}) == 0 ? Between::kHold : Between::kInterpolate;
+  path.lead = source.number("lead_s", 0, 10);
+  path.preview = source.boolean("preview");
+  return path;
+}
+
+Eigen::Vector2d Path::point(double elapsed) const noexcept {
+  const Place place = place_at(*this, elapsed);
+  if (between == Between::kHold) return points[place.from];
+  return (1.0 - place.share) * points[place.from] + place.share * points[place.to];
+}
+
+Eigen::Vector2d Path::velocity(double elapsed, double ahead) const noexcept {
+  if (!preview || between == Between::kHold) return Eigen::Vector2d::Zero();
+  const Place place = place_at(*this, elapsed + lead + ahead);
+  return (points[place.to] - points[place.from]) / interval;
+}
+
+Eigen::Vector2d Path::middle() const {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+std::vector<Eigen::Vector2d> Path::outline(const Eigen::AlignedBox2d&) const {
+  std::vector<Eigen::Vector2d> closed = points;
+  closed.push_back(points.front());
+  return closed;
+}
+
+std::unique_ptr<Progress> Path::progress() const {
+  return std::make_unique<PathProgress>(round_duration());
+}
+
+std::vector<std::pair<std::string, Task>> Path::readings() const {
+  Path held = *this, interpolated = *this;
+  held.between = Between::kHold;
+  interpolated.between = Between::kInterpolate;
+  return {{"to_held_points", held}, {"to_interpolated_path", interpolated}};
+}
+
+}  // namespace c3rt::task

@@ -1,0 +1,32 @@
+#include "controller/task/registry.hpp"
+
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
+
+namespace c3rt::task {
+namespace {
+
+struct Kind {
+  const char* name;
+  Task (*load)(Source& source);
+};
+
+template <typename T>
+Kind kind() {
+  return {T::kKind, [](Source& source) -> Task { return T::load(source); }};
+}
+
+const Kind kKinds[] = {kind<Circle>(), kind<Path>(), kind<Line>()};
+
+}  // namespace
+
+std::vector<std::string> kinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  return names;
+}
+
+Task load(Source& source) { return kKinds[source.choice("kind", kinds())].load(source); }
+
+}  // namespace c3rt::task

@@ -1,0 +1,14 @@
+#pragma once
+// The kinds of tasks by name: a new one is a file of its own and one line in registry.cpp.
+#include "controller/task/source.hpp"
+#include "controller/task/task.hpp"
+
+namespace c3rt::task {
+
+/// The names of all kinds.
+std::vector<std::string> kinds();
+
+/// The task that a source describes: its parameter `kind` names which.
+Task load(Source& source);
+
+}  // namespace c3rt::task
