@@ -190,6 +190,8 @@ using Quad = long double;
 #endif
 using QuadMatrix = std::vector<std::vector<Quad>>;
 
+inline double near_of(double value) { return 1e-7 * std::max(1.0, std::abs(value)); }
+
 inline Quad size_of(Quad value) { return value < 0 ? -value : value; }
 
 /// Gaussian elimination of [M right] with partial pivoting, M square with nothing farther than
@@ -262,9 +264,12 @@ struct Reference {
   VectorXd x_N;
   double wrong = 0.0;
   int active = 0;
+  int wrong_row = -1;  // of rows(p), whose multiplier's sign is wrong the most; −1: none
 };
 
-inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
+/// @param active_rows by rows(p)
+inline Reference reference_with(const Problem& p, const Answer* claimed,
+                                const std::vector<bool>& active_rows) {
   const int n_x = p.sizes.n_x, n_z = p.sizes.n_z(), N = p.sizes.N, n_nu = n_z - n_x;
   const int n = N * n_z + n_x;
   std::vector<Row> active;
@@ -275,15 +280,18 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
     side.push_back(0);
   }
   const std::vector<Row> all = rows(p);
+  std::vector<int> number(n_fixed, -1);  // of each active row
   if (claimed != nullptr) {
     VectorXd point(n);
     point << claimed->z.reshaped(), claimed->x_N;
-    for (const Row& row : all) {
-      const double value = row.a.dot(point), near = 1e-7 * std::max(1.0, std::abs(value));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!active_rows[i]) continue;
+      const Row& row = all[i];
+      const double value = row.a.dot(point), near = near_of(value);
       const bool lower = value <= row.lower + near, upper = value >= row.upper - near;
-      if (!lower && !upper) continue;
       active.push_back(row);
       side.push_back(lower && upper ? 0 : lower ? 1 : -1);
+      number.push_back(static_cast<int>(i));
     }
   }
   const int n_active = static_cast<int>(active.size());
@@ -363,7 +371,10 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
   for (const Quad& one : pull) largest = std::max(largest, size_of(one));
   // of rows that depend on one another the multipliers are not unique
   for (int i = 0; i < n_active && rank == n_active; ++i) {
-    found.wrong = std::max(found.wrong, static_cast<double>(-pull[i] * side[i] / largest));
+    const double wrong = static_cast<double>(-pull[i] * side[i] / largest);
+    if (wrong <= found.wrong) continue;
+    found.wrong = wrong;
+    found.wrong_row = number[i];
   }
   if (claimed == nullptr) return found;
   for (const Row& row : all) {
@@ -371,6 +382,30 @@ inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
     found.wrong = std::max({found.wrong, row.lower - value, value - row.upper});
   }
   return found;
+}
+
+/// A row that is as near to its bound as `near_of` need not be active where the problem is as
+/// sensitive as that: rows whose multipliers have the wrong sign are left out, one by one. What the
+/// answer is checked by, KKT, holds for the optimum alone, whichever rows were tried.
+inline Reference reference(const Problem& p, const Answer* claimed = nullptr) {
+  const std::vector<Row> all = rows(p);
+  std::vector<bool> active(all.size(), false);
+  if (claimed != nullptr) {
+    VectorXd point(p.sizes.N * p.sizes.n_z() + p.sizes.n_x);
+    point << claimed->z.reshaped(), claimed->x_N;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double value = all[i].a.dot(point), near = near_of(value);
+      active[i] = value <= all[i].lower + near || value >= all[i].upper - near;
+    }
+  }
+  const Reference first = reference_with(p, claimed, active);
+  Reference found = first;
+  for (std::size_t turn = 0; turn < all.size() && found.wrong_row >= 0; ++turn) {
+    if (found.wrong < 1e-12) break;
+    active[static_cast<std::size_t>(found.wrong_row)] = false;
+    found = reference_with(p, claimed, active);
+  }
+  return found.wrong < first.wrong ? found : first;
 }
 
 /// Largest error beside the largest entry of each kind: states, forces and inputs differ in size.
