@@ -32,27 +32,54 @@ Tree read(const std::string& text, const std::string& name) {
   return tree;
 }
 
-/// The file that `extends` of a file means.
-fs::path base_of(const Tree& extends, const fs::path& file) {
+/// The file that a name (of what is shipped in `folder`) or a path means.
+fs::path file_of(const Tree& named, const std::string& key, const std::string& what,
+                 const std::string& folder) {
   const auto refuse = [&](const std::string& expected, const std::string& got) {
-    throw ConfigError(extends.place.text() + ": extends: expected " + expected + ", got " + got);
+    throw ConfigError(named.place.text() + ": " + key + ": expected " + expected + ", got " + got);
   };
-  if (!extends.is_scalar() || extends.scalar.empty())
-    refuse("the name of a scenario or a path to a .yaml file", content(extends));
-  const std::string& given = extends.scalar;
+  if (!named.is_scalar() || named.scalar.empty())
+    refuse("the name of a " + what + " or a path to a .yaml file", content(named));
+  const std::string& given = named.scalar;
   if (is_path(given, kExtension)) {
-    const fs::path base = (file.parent_path() / given).lexically_normal();
+    const fs::path file = (fs::path(*named.place.file).parent_path() / given).lexically_normal();
     std::error_code error;
-    if (!fs::is_regular_file(base, error))
-      refuse("a file", content(extends) + ": no file " + base.string());
-    return base;
+    if (!fs::is_regular_file(file, error))
+      refuse("a file", content(named) + ": no file " + file.string());
+    return file;
   }
-  const fs::path folder = directory() / "scenarios";
-  const fs::path base = folder / (given + kExtension);
-  if (!is_name(given) || !fs::is_regular_file(base))
-    refuse("the name of a scenario in " + folder.string() + ", or a path to a .yaml file",
-           content(extends));
-  return base;
+  const fs::path shipped = directory() / folder;
+  const fs::path file = shipped / (given + kExtension);
+  if (!is_name(given) || !fs::is_regular_file(file))
+    refuse("the name of a " + what + " in " + shipped.string() + ", or a path to a .yaml file",
+           content(named));
+  return file;
+}
+
+/// Adds what is not there.
+void fill(Tree& tree, const Tree& defaults) {
+  for (const Entry& entry : defaults.map) {
+    Tree* there = tree.find(entry.key);
+    if (there == nullptr) {
+      tree.map.push_back(entry);
+    } else if (there->is_map() && entry.value.is_map()) {
+      fill(*there, entry.value);
+    }
+  }
+}
+
+/// Puts the description of the robot in the place of its name, and what it says of a scenario below
+/// what the scenario says itself.
+void add_robot(Tree& tree) {
+  Tree* robot = tree.find("robot");
+  if (robot == nullptr || robot->is_map()) return;
+  const std::string file = file_of(*robot, "robot", "robot", "robots").string();
+  Tree described = read(read_file(file, "a robot", kMaxBytes), file);
+  Tree scenario;
+  if (const Tree* defaults = described.find("scenario")) scenario = *defaults;
+  take_out(described, "scenario");
+  *robot = std::move(described);
+  fill(tree, scenario);
 }
 
 /// @param chain the files from the one that was asked for to this one
@@ -60,7 +87,7 @@ Tree compose_chain(const std::string& text, const std::string& name, std::vector
   Tree own = read(text, name);
   const Tree* extends = own.find("extends");
   if (extends == nullptr) return own;
-  const fs::path base = base_of(*extends, name);
+  const fs::path base = file_of(*extends, "extends", "scenario", "scenarios");
   const Place place = extends->place;
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(base, error);
@@ -90,7 +117,12 @@ Tree compose_chain(const std::string& text, const std::string& name, std::vector
 Tree compose(const std::string& text, const std::string& name,
              const std::vector<std::string>& overrides) {
   Tree tree = compose_chain(text, name, std::vector<fs::path>());
-  for (const std::string& override_text : overrides) apply_override(tree, name, override_text);
+  const auto names_robot = [](const std::string& one) { return one.rfind("robot=", 0) == 0; };
+  for (const std::string& override_text : overrides)
+    if (names_robot(override_text)) apply_override(tree, name, override_text);
+  add_robot(tree);
+  for (const std::string& override_text : overrides)
+    if (!names_robot(override_text)) apply_override(tree, name, override_text);
   return tree;
 }
 

@@ -1,5 +1,6 @@
 #include "config/scenario.hpp"
 
+#include "config/robot.hpp"
 #include "controller/impedance/load_parameters.hpp"
 #include "controller/planner/load_parameters.hpp"
 #include "controller/task/registry.hpp"
@@ -92,7 +93,7 @@ Scenario read_scenario(Section root) {
   Section timing = root.section("timing");
   scenario.timing.solve_time_s = timing.number("solve_time_s", {0, 1});
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
-  scenario.plant = plant::load_parameters(root.section("plant"));
+  scenario.plant = plant::load_parameters(root.section("plant"), load_robot(root));
   scenario.impedance = impedance::load_from_scenario(root);
   scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
                                               static_cast<int>(scenario.plant.world.balls.size()));

@@ -39,8 +39,20 @@ PushParameters load_pushes(config::Section section) {
 
 }  // namespace
 
-Parameters load_parameters(config::Section section) {
+EndEffector end_effector_of(const config::Robot& robot) {
+  const config::Robot::EndEffector& tool = robot.end_effector;
+  return {tool.mass,       tool.center_of_mass, tool.inertia_xx,
+          tool.inertia_zz, tool.sphere_center,  tool.sphere_radius};
+}
+
+JointLimits limits_of(const config::Robot& robot) {
+  return {robot.q_min, robot.q_max, robot.dq_max, robot.tau_max, robot.tau_rate_max};
+}
+
+Parameters load_parameters(config::Section section, const config::Robot& robot) {
   Parameters p{};
+  p.limits = limits_of(robot);
+  p.world.end_effector = end_effector_of(robot);
   p.world.table_height = section.number("table_height_m", {-0.5, 0.5});
   p.world.table_tilt = section.numbers("table_tilt_rad", 2, {-0.3, 0.3});
   if (section.has("table_tilt_drawn")) p.world.tilt_drawn = section.boolean("table_tilt_drawn");
@@ -60,10 +72,10 @@ Parameters load_parameters(config::Section section) {
     section.fail("step_s", "a step that divides 0.001 s", std::to_string(p.world.step));
   p.initial_q = section.numbers("initial_q_rad", kJoints, {-4, 4});
   for (int i = 0; i < kJoints; ++i) {
-    if (p.initial_q[i] < kPositionMin[i] || p.initial_q[i] > kPositionMax[i])
+    if (p.initial_q[i] < p.limits.q_min[i] || p.initial_q[i] > p.limits.q_max[i])
       section.fail("initial_q_rad",
-                   "joint " + std::to_string(i + 1) + " in [" + std::to_string(kPositionMin[i]) +
-                       ", " + std::to_string(kPositionMax[i]) + "]",
+                   "joint " + std::to_string(i + 1) + " in [" + std::to_string(p.limits.q_min[i]) +
+                       ", " + std::to_string(p.limits.q_max[i]) + "]",
                    std::to_string(p.initial_q[i]));
   }
   for (config::Section& ball : section.list("balls", 1, kMaxBalls)) {

@@ -36,8 +36,8 @@ Plant::Plant(const Parameters& parameters)
       hold_q_(parameters.initial_q) {
   if (!divides_cycle(parameters.world.step))
     throw std::invalid_argument("plant: step must divide 0.001 s");
-  if ((parameters.initial_q.array() < kPositionMin.array()).any() ||
-      (parameters.initial_q.array() > kPositionMax.array()).any())
+  if ((parameters.initial_q.array() < parameters.limits.q_min.array()).any() ||
+      (parameters.initial_q.array() > parameters.limits.q_max.array()).any())
     throw std::invalid_argument("plant: initial_q must lie within the joints' limits");
   for (int i = 0; i < kJoints; ++i)
     arm_bodies_[static_cast<std::size_t>(i)] =
@@ -47,7 +47,8 @@ Plant::Plant(const Parameters& parameters)
   Eigen::Map<Vector7d>(model_->dof_damping) += kBrakeDamping;
   for (std::size_t i = 0; i < parameters.world.balls.size(); ++i) {
     if (!parameters.world.balls[i].held) continue;
-    const double reach = parameters.world.balls[i].radius + kEndEffectorRadius + kTouch;
+    const double reach =
+        parameters.world.balls[i].radius + parameters.world.end_effector.sphere_radius + kTouch;
     hands_.push_back({static_cast<int>(i), reach});
     hand_damping(static_cast<int>(i)).array() += kHandDamping;
   }
@@ -95,10 +96,11 @@ void Plant::let_go() noexcept {
 
 Errors Plant::limits_violated() const noexcept {
   Errors errors = 0;
-  if ((state_.q.array() < kPositionMin.array()).any() ||
-      (state_.q.array() > kPositionMax.array()).any())
+  const JointLimits& limits = parameters_.limits;
+  if ((state_.q.array() < limits.q_min.array()).any() ||
+      (state_.q.array() > limits.q_max.array()).any())
     errors |= bit(Error::kJointPositionLimitsViolation);
-  if ((state_.dq.array().abs() > kVelocityMax.array()).any())
+  if ((state_.dq.array().abs() > limits.dq_max.array()).any())
     errors |= bit(Error::kJointVelocityViolation);
   return errors;
 }
@@ -174,11 +176,11 @@ void Plant::step_1ms() noexcept {
 }
 
 Vector7d Plant::command_torque() noexcept {
-  const Vector7d step = Vector7d::Constant(kTorqueRateMax * kCycle);
+  const Vector7d step = Vector7d::Constant(parameters_.limits.tau_rate_max * kCycle);
   const Vector7d tau = command_.cwiseMin(state_.tau + step)
                            .cwiseMax(state_.tau - step)
-                           .cwiseMin(kTorqueMax)
-                           .cwiseMax(-kTorqueMax);
+                           .cwiseMin(parameters_.limits.tau_max)
+                           .cwiseMax(-parameters_.limits.tau_max);
   if (tau != command_) ++state_.saturated_cycles;
   return tau;
 }
@@ -190,7 +192,7 @@ Vector7d Plant::brake_torque() noexcept {
   }
   if (!holding_) return Vector7d::Zero();
   const Vector7d tau = kHoldStiffness.cwiseProduct(hold_q_ - state_.q);
-  return tau.cwiseMin(kTorqueMax).cwiseMax(-kTorqueMax);
+  return tau.cwiseMin(parameters_.limits.tau_max).cwiseMax(-parameters_.limits.tau_max);
 }
 
 Vector7d Plant::gravity_torque() noexcept {

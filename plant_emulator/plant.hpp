@@ -14,15 +14,6 @@
 
 namespace c3rt::plant {
 
-/// [rad], [rad/s], [N m]: panda.urdf
-inline const Vector7d kPositionMin =
-    (Vector7d() << -2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973).finished();
-inline const Vector7d kPositionMax =
-    (Vector7d() << 2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973).finished();
-inline const Vector7d kVelocityMax =
-    (Vector7d() << 2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61).finished();
-inline const Vector7d kTorqueMax = (Vector7d() << 87, 87, 87, 87, 12, 12, 12).finished();
-constexpr double kTorqueRateMax = 1000.0;  // [N m/s]
 constexpr double kCycle = 1e-3;            // [s]
 constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
 constexpr int kCommandsToRecover = 200;    // two of three have come, then it moves again by itself

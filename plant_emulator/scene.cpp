@@ -69,13 +69,7 @@ constexpr std::array<Link, kJoints> kLinks{{
 }};
 constexpr double kJointDamping = 0.003;  // same source [N m s/rad]
 
-// The tool on the flange (link 8): disc, rod and sphere as one body. Source: EE.json of the paper's
-// robot.
 constexpr double kFlangeOffset = 0.107;  // along z of link 7 [m]
-constexpr double kToolMass = 0.269;      // [kg]
-constexpr double kToolCenter = 0.056;    // of mass, along z of the flange [m]
-constexpr Inertia kToolInertia{1.5176e-4, 0, 0, 1.5176e-4, 0, 4.9476e-5};
-constexpr double kSphereCenter = 0.1265;  // along z of the flange [m]
 
 // Contacts as stiff as the step allows: 2 ms lets a ball sink 0.04 mm under its weight.
 constexpr const char* kContactStiffness = R"(solref="0.002 1" solimp="0.9 0.95 0.001 0.5 2")";
@@ -161,16 +155,17 @@ std::string link(int index, const SceneParameters& parameters) {
   if (index + 1 < kJoints) {
     text += link(index + 1, parameters);
   } else {
+    const EndEffector& tool = parameters.world.end_effector;
     text += R"(<body name="end_effector" pos="0 0 )" + join(kFlangeOffset) + R"(">
 <inertial pos="0 0 )" +
-            join(kToolCenter) + R"(" mass=")" + join(kToolMass) +
+            join(tool.center_of_mass) + R"(" mass=")" + join(tool.mass) +
             R"(" quat="0.8 0.6 0 0" diaginertia="0.01 0.01 0.01"/>
 <geom class="tool" type="cylinder" fromto="0 0 0 0 0 0.0096" size="0.0315"/>
 <geom class="tool" type="cylinder" fromto="0 0 0.0096 0 0 0.1112" size="0.0127"/>
 <geom class="tool" name="end_effector" type="sphere" pos="0 0 )" +
-            join(kSphereCenter) + R"(" size=")" + join(kEndEffectorRadius) + R"("/>
+            join(tool.sphere_center) + R"(" size=")" + join(tool.sphere_radius) + R"("/>
 <site name="end_effector" pos="0 0 )" +
-            join(kSphereCenter) + R"(" size="0.001" group="5"/>
+            join(tool.sphere_center) + R"(" size="0.001" group="5"/>
 </body>
 )";
   }
@@ -285,6 +280,9 @@ void check(const SceneParameters& p) {
     require(mu > 0 && mu < 10, "friction must be in (0, 10)");
   require(w.rolling_friction >= 0 && w.rolling_friction < 0.01,
           "rolling_friction must be in [0, 0.01) m");
+  const EndEffector& e = w.end_effector;
+  require(e.mass > 0 && e.inertia_xx > 0 && e.inertia_zz > 0 && e.sphere_radius > 0,
+          "the end effector needs a mass, inertias and a radius");
   for (const BallParameters& b : w.balls)
     require(b.radius > 0 && b.mass > 0 && b.position.allFinite(),
             "a ball needs a radius, a mass and a position");
@@ -329,7 +327,9 @@ Model build_model(const SceneParameters& parameters) {
   for (int i = 0; i < kJoints; ++i)
     write_inertia(*model, "link" + std::to_string(i + 1),
                   kLinks.at(static_cast<std::size_t>(i)).inertia);
-  write_inertia(*model, "end_effector", kToolInertia);
+  const EndEffector& tool = parameters.world.end_effector;
+  write_inertia(*model, "end_effector",
+                {tool.inertia_xx, 0, 0, tool.inertia_xx, 0, tool.inertia_zz});
   const Data data(mj_makeData(model.get()));
   mj_setConst(model.get(), data.get());
   return model;

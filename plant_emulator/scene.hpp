@@ -14,7 +14,6 @@ namespace c3rt::plant {
 
 constexpr int kJoints = 7;
 constexpr int kMaxBalls = 4;
-constexpr double kEndEffectorRadius = 0.0195;  // [m]
 
 /// Visual groups of the geoms (mjvOption.geomgroup). Render kGroupWorld and one of the arm's two
 /// looks.
@@ -45,6 +44,16 @@ struct Friction {
   double end_effector_table;
 };
 
+/// The tool on the flange: disc, rod and sphere as one body, along the flange's z.
+struct EndEffector {
+  double mass;            // [kg]
+  double center_of_mass;  // [m]
+  double inertia_xx;      // about the centre of mass; also yy [kg m^2]
+  double inertia_zz;      // [kg m^2]
+  double sphere_center;   // [m]
+  double sphere_radius;   // [m]
+};
+
 struct World {
   double table_height;  // z of the table's surface below kTablePivot [m]
   Eigen::Vector2d
@@ -52,6 +61,7 @@ struct World {
   Friction friction;
   double rolling_friction;  // lever of the rolling resistance, 0 for none [m]
   double step;              // of the integration [s]
+  EndEffector end_effector;
   std::vector<BallParameters> balls;
   bool tilt_drawn = false;  // table_tilt's direction is the seed's, its size the scenario's
   // if there, both of the ball's coefficients are drawn between these from the seed

@@ -45,7 +45,7 @@ void become_servo_thread(const impedance::Thread& thread) {
 int run(const config::ProcessOptions& options) {
   config::Section scenario = config::Document::load(options.scenario_path, options.overrides);
   const impedance::Parameters parameters = impedance::load_from_scenario(scenario);
-  model::Arm arm(impedance::urdf_of(parameters));
+  model::Arm arm(parameters.arm);
 
   wire::Bus bus(wire::bus_settings(options));
   wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE,

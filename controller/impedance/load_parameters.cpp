@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "config/service.hpp"
+#include "controller/model/load_parameters.hpp"
 
 namespace c3rt::impedance {
 
@@ -70,7 +71,7 @@ Thread load_thread(config::Section section) {
 
 }  // namespace
 
-Parameters load_parameters(config::Section section) {
+Parameters load_parameters(config::Section section, const config::Robot& robot) {
   Parameters parameters;
   parameters.period = 1.0 / section.number("rate_hz", {100, 2000});
   parameters.reference = section.choice<Reference>(
@@ -80,14 +81,15 @@ Parameters load_parameters(config::Section section) {
   parameters.gains = load_gains(section.section("gains"));
   parameters.limits = load_limits(section.section("limits"));
   parameters.thread = load_thread(section.section("thread"));
-  if (section.has("urdf")) parameters.urdf_path = section.text("urdf");
+  parameters.arm = model::load_arm(robot);
+  if (section.has("urdf")) parameters.arm.urdf_path = section.text("urdf");
   section.finish();
   return parameters;
 }
 
 Parameters load_from_scenario(config::Section& root) {
   const config::Service service = config::load_service(root);
-  Parameters parameters = load_parameters(root.section("impedance"));
+  Parameters parameters = load_parameters(root.section("impedance"), config::load_robot(root));
   parameters.recovers_alone = service.recovery == config::Recovery::kAutomatic;
   return parameters;
 }

@@ -51,13 +51,7 @@ struct Parameters {
   Gains gains;
   Limits limits;
   Thread thread;
-  std::string urdf_path;  // empty: the installed one; see urdf_of
+  model::ArmDescription arm;
 };
-
-/// The URDF that the arm's model is built from: the scenario's, else the one that the set-up
-/// installed.
-inline std::string urdf_of(const Parameters& parameters) {
-  return parameters.urdf_path.empty() ? model::panda_urdf_path() : parameters.urdf_path;
-}
 
 }  // namespace c3rt::impedance

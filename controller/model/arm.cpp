@@ -17,10 +17,10 @@ namespace c3rt::model {
 
 namespace {
 
-constexpr char kFlange[] = "panda_link8";
 constexpr int kJoints = 7;
 
-pinocchio::Model load(const std::string& path) {
+pinocchio::Model load(const ArmDescription& description) {
+  const auto& [path, name, tool] = description;
   if (!std::filesystem::is_regular_file(path)) {
     throw ArmError("robot model not found: " + path +
                    " (run ./c3rt setup, or set C3RT_PANDA_URDF to the Panda's URDF)");
@@ -28,8 +28,8 @@ pinocchio::Model load(const std::string& path) {
   const urdf::ModelInterfaceSharedPtr tree = urdf::parseURDFFile(path);
   if (!tree) throw ArmError(path + ": not a URDF");
   urdf::LinkSharedPtr flange;
-  tree->getLink(kFlange, flange);
-  if (!flange) throw ArmError(path + ": no link " + kFlange);
+  tree->getLink(name, flange);
+  if (!flange) throw ArmError(path + ": no link " + name);
   // the gripper is not on the robot: neither its joints nor its inertia may stay
   flange->child_links.clear();
   flange->child_joints.clear();
@@ -37,14 +37,14 @@ pinocchio::Model load(const std::string& path) {
   pinocchio::Model model;
   pinocchio::urdf::buildModel(tree, model);
   if (model.nq != kJoints || model.nv != kJoints) {
-    throw ArmError(path + ": expected 7 joints before " + kFlange + ", got " + std::to_string(model.nv));
+    throw ArmError(path + ": expected 7 joints before " + name + ", got " + std::to_string(model.nv));
   }
-  const pinocchio::Frame& flange_frame = model.frames[model.getFrameId(kFlange)];
-  const Eigen::Vector3d inertia(EndEffector::kInertiaXX, EndEffector::kInertiaXX, EndEffector::kInertiaZZ);
-  const pinocchio::Inertia end_effector(EndEffector::kMass, Eigen::Vector3d(0, 0, EndEffector::kCenterOfMassZ),
+  const pinocchio::Frame& flange_frame = model.frames[model.getFrameId(name)];
+  const Eigen::Vector3d inertia(tool.inertia_xx, tool.inertia_xx, tool.inertia_zz);
+  const pinocchio::Inertia end_effector(tool.mass, Eigen::Vector3d(0, 0, tool.center_of_mass_z),
                                         inertia.asDiagonal().toDenseMatrix());
   model.appendBodyToJoint(flange_frame.parentJoint, end_effector, flange_frame.placement);
-  const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, EndEffector::kSphereCenterZ));
+  const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, tool.sphere_center_z));
   model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint, flange_frame.placement * X_flange_E,
                                   pinocchio::OP_FRAME));
   return model;
@@ -64,7 +64,8 @@ struct Arm::Workspace {
   pinocchio::Data::Matrix6x J;
 };
 
-Arm::Arm(const std::string& urdf_path) : workspace_(std::make_unique<Workspace>(load(urdf_path))) {}
+Arm::Arm(const ArmDescription& description)
+    : workspace_(std::make_unique<Workspace>(load(description))) {}
 Arm::Arm(Arm&&) noexcept = default;
 Arm& Arm::operator=(Arm&&) noexcept = default;
 Arm::~Arm() = default;
@@ -91,9 +92,10 @@ void Arm::update(const Vector7d& q, const Vector7d& dq, ArmState& out) noexcept 
   out.coriolis = pinocchio::nonLinearEffects(model, data, q_, dq_) - out.gravity;
 }
 
-std::string panda_urdf_path() {
+std::string urdf_path(const std::string& named) {
   const char* chosen = std::getenv("C3RT_PANDA_URDF");
-  return chosen != nullptr && *chosen != '\0' ? chosen : C3RT_PANDA_URDF_DEFAULT;
+  if (chosen != nullptr && *chosen != '\0') return chosen;
+  return (std::filesystem::path(C3RT_ROBOT_MODELS) / named).string();
 }
 
 }  // namespace c3rt::model

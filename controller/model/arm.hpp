@@ -1,5 +1,5 @@
 #pragma once
-// The full model M_f of the arm: kinematics and dynamics of the Panda with the spherical end effector.
+// The full model M_f of the arm: kinematics and dynamics of seven joints with the spherical end effector.
 // Pinocchio is named in arm.cpp only.
 #include <memory>
 #include <stdexcept>
@@ -22,14 +22,20 @@ class ArmError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The rod with the ball at its end, bolted to the flange (panda_link8). Frame of the numbers: the flange.
-/// Source: the tool description that the paper's authors gave to the robot (EE.json).
+/// The rod with the ball at its end, bolted to the flange. Frame of the numbers: the flange.
 struct EndEffector {
-  static constexpr double kMass = 0.269;               // [kg]
-  static constexpr double kCenterOfMassZ = 0.056;      // [m]
-  static constexpr double kInertiaXX = 1.5176e-4;      // about the centre of mass; also yy [kg m^2]
-  static constexpr double kInertiaZZ = 4.9476e-5;      // [kg m^2]
-  static constexpr double kSphereCenterZ = 0.1265;     // E [m]
+  double mass;              // [kg]
+  double center_of_mass_z;  // [m]
+  double inertia_xx;        // about the centre of mass; also yy [kg m^2]
+  double inertia_zz;        // [kg m^2]
+  double sphere_center_z;   // E [m]
+};
+
+/// What an arm is built from: config/robots has the numbers.
+struct ArmDescription {
+  std::string urdf_path;
+  std::string flange;  // link that carries the end effector, behind seven joints
+  EndEffector end_effector;
 };
 
 /// Everything that the law needs at one (q, dq). W = the robot's base frame; E = the sphere's centre with the
@@ -46,9 +52,9 @@ struct ArmState {
 /// The arm's rigid-body dynamics. Movable, not copyable (it owns work space).
 class Arm {
  public:
-  /// Reads the seven joints of the Panda from a URDF; the hand below the flange is left out, the end effector put on.
-  /// @throws ArmError if the file is missing, is no URDF, or has no panda_link8 behind seven joints.
-  explicit Arm(const std::string& urdf_path);
+  /// Reads seven joints from a URDF; the hand below the flange is left out, the end effector put on.
+  /// @throws ArmError if the file is missing, is no URDF, or has no such flange behind seven joints.
+  explicit Arm(const ArmDescription& description);
   Arm(Arm&&) noexcept;
   Arm& operator=(Arm&&) noexcept;
   ~Arm();
@@ -61,7 +67,8 @@ class Arm {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Where the Panda's URDF lies: the environment's C3RT_PANDA_URDF, else where ./c3rt setup put it.
-std::string panda_urdf_path();
+/// The URDF of a robot's description: the environment's C3RT_PANDA_URDF, else `named` where it is
+/// absolute, else where ./c3rt setup put it.
+std::string urdf_path(const std::string& named);
 
 }  // namespace c3rt::model

@@ -267,7 +267,7 @@ int run(const config::ProcessOptions& options) {
   auto& ball_lost = status.counter("ball_lost");
 
   planner::Planner planner(parameters);
-  model::Arm arm(impedance::urdf_of(scenario.impedance));
+  model::Arm arm(scenario.impedance.arm);
   Inputs in(bus);
   wire::Writer<wire::Plan> writer(bus);
   wire::Replies replies(bus, c3rt_v1_PROCESS_PLANNER);

@@ -10,6 +10,7 @@
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
+#include "plant_emulator/plant.hpp"
 
 using c3rt::config::ConfigError;
 using c3rt::config::Document;
@@ -301,4 +302,41 @@ TEST_CASE("scenario: what is there is checked though it is not chosen") {
              Contains("vision.detector.rays: expected an integer"));
   CHECK_THAT(error_with("circle_slow", "planner: {weights: {roll: {plus: {g_etta: 1}}}}\n"),
              Contains("own.yaml:4: planner.weights.roll.plus.g_etta: unknown key"));
+}
+
+TEST_CASE("scenario: another end effector in the robot's description is that of arm and plant") {
+  std::string robot = read_file(C3RT_SOURCE_DIRECTORY "/config/robots/panda.yaml");
+  const std::string from = "sphere_center_m: 0.1265";
+  REQUIRE(robot.find(from) != std::string::npos);
+  robot.replace(robot.find(from), from.size(), "sphere_center_m: 0.16");
+  const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/longer_robot.yaml";
+  std::ofstream(path) << robot;
+  const auto p_WE = [](const std::vector<std::string>& overrides) {
+    const c3rt::config::Scenario scenario = load_scenario(kFolder + "circle_slow.yaml", overrides);
+    c3rt::model::Arm arm(scenario.impedance.arm);
+    c3rt::model::ArmState state;
+    arm.update(scenario.plant.initial_q, c3rt::model::Vector7d::Zero(), state);
+    // Pinocchio's arm and MuJoCo's
+    const c3rt::plant::Plant plant(scenario.plant);
+    CHECK((plant.state().p_WE - state.X_WE.translation()).norm() < 1e-6);
+    return Eigen::Vector3d(state.X_WE.translation());
+  };
+  CHECK((p_WE({"robot=" + path}) - p_WE({})).norm() == Approx(0.16 - 0.1265));
+}
+
+TEST_CASE("scenario: what a robot's description says of a scenario is checked by its line") {
+  const std::string robot = read_file(C3RT_SOURCE_DIRECTORY "/config/robots/panda.yaml");
+  const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/wrong_robot.yaml";
+  const auto error = [&](const std::string& from, const std::string& to) {
+    std::string text = robot;
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    std::ofstream(path) << text.replace(at, from.size(), to);
+    return error_of({"robot=" + path});
+  };
+  CHECK_THAT(error("    gains:\n", "    gains:\n      typo: 1\n"),
+             Contains("wrong_robot.yaml:28: impedance.gains.typo: unknown key"));
+  CHECK_THAT(
+      error("initial_q_rad: [0.0,", "initial_q_rad: [3.0,"),
+      Contains("wrong_robot.yaml:25: plant.initial_q_rad: expected joint 1 in [-2.897300, "));
 }

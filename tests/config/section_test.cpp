@@ -106,9 +106,13 @@ TEST_CASE("section: a key that is given twice is refused, wherever it stands") {
 
 TEST_CASE("section: an error in a list names the line of the value, not of the list") {
   Section root = Document::parse("a:\n  - 1\n  - 9\nb: [\n  [1, 2],\n  [1, 9]]\n", "l.yaml");
-  CHECK_THAT(error_of([&] { (void)root.numbers("a", 2, {0, 5}); }),
+  CHECK_THAT(error_of([&] {
+               (void)root.numbers("a", 2, {0, 5});
+             }),
              Equals("l.yaml:3: a: expected a list of 2 numbers in [0, 5], got \"9\" at place 2"));
-  CHECK_THAT(error_of([&] { (void)root.rows("b", 1, 2, 2, {0, 5}); }),
+  CHECK_THAT(error_of([&] {
+               (void)root.rows("b", 1, 2, 2, {0, 5});
+             }),
              Contains("l.yaml:6: b: ") && Contains("at place 2"));
 }
 
@@ -122,12 +126,16 @@ TEST_CASE("section: an override replaces one existing key and no other") {
              Contains("--set planner.rate: no such key"));
   CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }),
              Contains("no such key"));
-  for (const std::string path : {"planner.balls..mass_kg", "planner.", "planner.rate_hz.", ".planner", "."})
+  for (const std::string path :
+       {"planner.balls..mass_kg", "planner.", "planner.rate_hz.", ".planner", "."})
     CHECK_THAT(error_of([&] { (void)planner({path + "=1"}); }), Contains("no such key"));
-  CHECK_THAT(error_of([] {
-               (void)planner({"planner.balls.1={mass_kg: 7}"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1});
-             }),
-             Equals("a.yaml with --set: planner.balls.1.mass_kg: expected a number in [0, 1], got \"7\""));
+  CHECK_THAT(
+      error_of([] {
+        (void)planner({"planner.balls.1={mass_kg: 7}"})
+            .list("balls", 2, 2)[1]
+            .number("mass_kg", {0, 1});
+      }),
+      Equals("a.yaml with --set: planner.balls.1.mass_kg: expected a number in [0, 1], got \"7\""));
   CHECK_THAT(error_of([] { (void)planner({"rate"}); }), Contains("expected key=value"));
   CHECK_THAT(
       error_of([] {
@@ -141,8 +149,9 @@ TEST_CASE("section: text that is not YAML, and a file that is not there, are nam
              Contains("e.yaml:1: not YAML"));
   CHECK_THAT(error_of([] { (void)Document::parse("- 1", "e.yaml"); }),
              Contains("expected a mapping"));
-  CHECK_THAT(error_of([] { (void)Document::load("absent.yaml"); }),
-             Equals("absent.yaml: expected a file that can be read, got No such file or directory"));
+  CHECK_THAT(
+      error_of([] { (void)Document::load("absent.yaml"); }),
+      Equals("absent.yaml: expected a file that can be read, got No such file or directory"));
 }
 
 TEST_CASE("section: what no scenario needs is refused before anything is built from it") {
@@ -164,7 +173,8 @@ TEST_CASE("section: what no scenario needs is refused before anything is built f
   std::string laughs = "a0: &a0 [x, x]\n";  // each level twice as large as the one before
   for (int i = 1; i < 200; ++i) {
     const std::string before = "*a" + std::to_string(i - 1);
-    laughs += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
+    laughs +=
+        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
   }
   CHECK_THAT(refused(laughs), Catch::Contains("at most 100 aliases"));
   CHECK(refused("a: &x 1\nb: *x\n") == "taken");
@@ -172,18 +182,22 @@ TEST_CASE("section: what no scenario needs is refused before anything is built f
   std::string doubled = "a0: &a0 [x, x]\n";
   for (int i = 1; i < 20; ++i) {
     const std::string before = "*a" + std::to_string(i - 1);
-    doubled += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
+    doubled +=
+        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + "," + before + "]\n";
   }
   CHECK_THAT(refused(doubled), Catch::Contains("at most 50000 values"));
   CHECK_THAT(refused("a: &x [*x]\n"), Catch::Contains("an alias of the value that it stands in"));
-  CHECK_THAT(refused("[1, 2]: 3\n"), Catch::Contains("bomb.yaml:1: not YAML: expected a text as key, got a list of 2"));
+  CHECK_THAT(refused("[1, 2]: 3\n"),
+             Catch::Contains("bomb.yaml:1: not YAML: expected a text as key, got a list of 2"));
 }
 
-TEST_CASE("section: a file of 100 MB is refused without reading it, a folder and an empty one too") {
+TEST_CASE(
+    "section: a file of 100 MB is refused without reading it, a folder and an empty one too") {
   const std::string path = std::string(C3RT_BINARY_DIRECTORY) + "/section_large.yaml";
   std::ofstream(path) << "name: x\n";
   std::filesystem::resize_file(path, 100'000'000);  // sparse: no bytes on the disk
-  CHECK_THROWS_WITH(Document::load(path), Catch::Contains("expected at most 262144 bytes, got more"));
+  CHECK_THROWS_WITH(Document::load(path),
+                    Catch::Contains("expected at most 262144 bytes, got more"));
   std::ofstream(path, std::ios::trunc).flush();
   CHECK_THROWS_WITH(Document::load(path), Catch::Contains("got an empty file"));
   std::filesystem::remove(path);
@@ -197,13 +211,15 @@ TEST_CASE("section: a name is letters, digits, _ and -; a text has no control ch
   };
   CHECK(name("circle_slow-2") == "circle_slow-2");
   for (const std::string bad : {"../x", "a b", "a\\n", "\\e[31m", "", "größe"})
-    CHECK_THROWS_WITH(name(bad), Catch::Contains("x.yaml:1: name: expected 1 to 64 letters, digits"));
+    CHECK_THROWS_WITH(name(bad),
+                      Catch::Contains("x.yaml:1: name: expected 1 to 64 letters, digits"));
   CHECK_THROWS_WITH(name(std::string(300, 'x')), Catch::Contains("1 to 64"));
   const auto text = [](const std::string& value) {
     return Document::parse("description: \"" + value + "\"", "x.yaml").text("description");
   };
   CHECK(text("größer als 3 µm") == "größer als 3 µm");
-  CHECK_THROWS_WITH(text("a\\e[31mb"), Catch::Contains("without control characters, got \"a\\x1b[31mb\""));
+  CHECK_THROWS_WITH(text("a\\e[31mb"),
+                    Catch::Contains("without control characters, got \"a\\x1b[31mb\""));
   CHECK_THROWS_WITH(text("a\\nb"), Catch::Contains("without control characters"));
   CHECK_THROWS_WITH(text(std::string(2000, 'x')), Catch::Contains("at most 1000 bytes, got 2000"));
 }

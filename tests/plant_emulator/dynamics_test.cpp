@@ -56,14 +56,15 @@ TEST_CASE("the arm's mass matrix, bias forces, tool pose and Jacobian are Pinocc
   const int nv = model->nv;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  const JointLimits limits = test_parameters().limits;
   std::mt19937 random(20221122);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double worst_mass = 0, worst_bias = 0, worst_pose = 0, worst_jacobian = 0;
   for (int trial = 0; trial < 100; ++trial) {
     Vector7d q, dq;
     for (int i = 0; i < kJoints; ++i) {
-      q[i] = kPositionMin[i] + unit(random) * (kPositionMax[i] - kPositionMin[i]);
-      dq[i] = (2 * unit(random) - 1) * kVelocityMax[i];
+      q[i] = limits.q_min[i] + unit(random) * (limits.q_max[i] - limits.q_min[i]);
+      dq[i] = (2 * unit(random) - 1) * limits.dq_max[i];
     }
     Eigen::Map<Vector7d>(data->qpos) = q;
     Eigen::Map<Vector7d>(data->qvel) = dq;
@@ -105,10 +106,11 @@ TEST_CASE("the arm's mass matrix, bias forces, tool pose and Jacobian are Pinocc
 
 TEST_CASE("the joints' limits are the URDF's") {
   const pinocchio::Model reference = reference_arm();
-  CHECK(kPositionMin == Vector7d(reference.lowerPositionLimit));
-  CHECK(kPositionMax == Vector7d(reference.upperPositionLimit));
-  CHECK(kVelocityMax == Vector7d(reference.velocityLimit));
-  CHECK(kTorqueMax == Vector7d(reference.effortLimit));
+  const JointLimits limits = test_parameters().limits;
+  CHECK(limits.q_min == Vector7d(reference.lowerPositionLimit));
+  CHECK(limits.q_max == Vector7d(reference.upperPositionLimit));
+  CHECK(limits.dq_max == Vector7d(reference.velocityLimit));
+  CHECK(limits.tau_max == Vector7d(reference.effortLimit));
   const Model model = build_model(test_scene());
   CHECK((Eigen::Map<Vector7d>(model->dof_damping) == Vector7d(reference.damping)));
 }

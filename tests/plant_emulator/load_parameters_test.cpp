@@ -19,7 +19,7 @@ balls:
 )";
 
 Parameters parse(const std::string& yaml) {
-  return load_parameters(config::Document::parse(yaml, "test.yaml"));
+  return load_parameters(config::Document::parse(yaml, "test.yaml"), config::load_robot("panda"));
 }
 
 std::string replaced(const std::string& from, const std::string& to) {

@@ -1,6 +1,6 @@
 #pragma once
 // The plant that the tests of this room share.
-#include "plant_emulator/parameters.hpp"
+#include "plant_emulator/load_parameters.hpp"
 
 namespace c3rt::plant {
 
@@ -11,6 +11,7 @@ inline World test_world() {
   world.friction = {1.0, 1.0, 1.0, 1.0};
   world.rolling_friction = 0.0;
   world.step = 0.0005;
+  world.end_effector = end_effector_of(config::load_robot("panda"));
   world.balls.push_back({{0.55, 0.1}, 0.0315, 0.132});
   return world;
 }
@@ -20,6 +21,7 @@ inline SceneParameters test_scene() { return {test_world(), {}, 64, 64, 0, ""}; 
 inline Parameters test_parameters() {
   Parameters parameters{};
   parameters.world = test_world();
+  parameters.limits = limits_of(config::load_robot("panda"));
   parameters.initial_q << 0, 0.275, 0, -2.222, 0, 2.497, 0;
   return parameters;
 }

@@ -120,7 +120,7 @@ TEST_CASE("up to four balls start where the scenario puts them") {
 /// that it slid. [m]
 double drag(double friction) {
   Parameters parameters = test_parameters();
-  const double bottom = Plant(parameters).state().p_WE.z() - kEndEffectorRadius;
+  const double bottom = Plant(parameters).state().p_WE.z() - test_world().end_effector.sphere_radius;
   parameters.world.table_height = bottom - 2e-4;
   parameters.world.friction.end_effector_table = friction;
   Plant plant(parameters);
@@ -137,7 +137,7 @@ double drag(double friction) {
     if (i == 1000) start = plant.state().p_WE;
   }
   CHECK(plant.state().errors == 0);
-  CHECK(plant.state().p_WE.z() - kEndEffectorRadius ==
+  CHECK(plant.state().p_WE.z() - test_world().end_effector.sphere_radius ==
         Approx(parameters.world.table_height).margin(1e-4));
   return plant.state().p_WE.x() - start.x();
 }
@@ -295,7 +295,7 @@ TEST_CASE("a joint that is too fast or out of its range stops the robot and name
   CHECK(fast.state().errors == bit(Error::kJointVelocityViolation));
 
   Parameters near_limit = test_parameters();
-  near_limit.initial_q[6] = kPositionMax[6] - 1e-3;
+  near_limit.initial_q[6] = near_limit.limits.q_max[6] - 1e-3;
   Plant far(near_limit);
   const Vector7d turn = (Vector7d() << 0, 0, 0, 0, 0, 0, 0.05).finished();
   for (std::uint64_t i = 1; i <= 500; ++i) {

@@ -19,7 +19,7 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
       sensor_(scenario.vision.emulated, seed),
       pushes_(plant::drawn_pushes(scenario.plant.pushes,
                                   static_cast<int>(scenario.plant.world.balls.size()), seed)),
-      arm_(impedance::urdf_of(scenario.impedance)),
+      arm_(scenario.impedance.arm),
       heard_(plant_.state()) {
   restart_vision();
   restart_planner();
@@ -27,7 +27,7 @@ ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
 }
 
 void ClosedLoop::restart_impedance() {
-  impedance_.emplace(scenario_.impedance, model::Arm(impedance::urdf_of(scenario_.impedance)));
+  impedance_.emplace(scenario_.impedance, model::Arm(scenario_.impedance.arm));
 }
 
 void ClosedLoop::restart_planner() {
@@ -93,7 +93,7 @@ void ClosedLoop::step_1ms() {
     for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
       plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
     plant_.step_1ms();
-    const double fastest = (state.dq.array().abs() / plant::kVelocityMax.array()).maxCoeff();
+    const double fastest = (state.dq.array().abs() / scenario_.plant.limits.dq_max.array()).maxCoeff();
     fastest_joint_ = std::max(fastest_joint_, fastest);
   }
   now_ns_ += 1'000'000;

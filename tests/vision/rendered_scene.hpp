@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 #include <mujoco/mujoco.h>
 
+#include "plant_emulator/load_parameters.hpp"
 #include "vision/load_parameters.hpp"
 #include "vision/virtual_cameras.hpp"
 
@@ -24,6 +25,10 @@ inline Parameters parameters() {
                                                 "/tests/vision/three_cameras.yaml"));
 }
 
+inline plant::EndEffector end_effector() {
+  return plant::end_effector_of(config::load_robot("panda"));
+}
+
 /// One world with a ball for each place.
 inline plant::World world(const std::vector<Eigen::Vector2d>& places) {
   plant::World world{};
@@ -32,6 +37,7 @@ inline plant::World world(const std::vector<Eigen::Vector2d>& places) {
   world.friction = {1, 1, 1, 1};
   world.rolling_friction = 0;
   world.step = 5e-4;
+  world.end_effector = end_effector();
   for (const Eigen::Vector2d& place : places) world.balls.push_back({place, kRadius, 0.132});
   return world;
 }

@@ -29,7 +29,7 @@ Errors roll(VirtualCameras& rig, Tracker& tracker, const Parameters& p, double b
   Estimator estimator(p.estimator, kRadius);
   InverseKinematics arm;
   const double speed = 0.08, radius = 0.1;
-  const double reach = kRadius + plant::kEndEffectorRadius;
+  const double reach = kRadius + end_effector().sphere_radius;
   const int exposures = static_cast<int>(2 * M_PI * radius / speed / kPeriod);
   Errors errors;
   for (int k = 0; k < exposures; ++k) {

@@ -31,7 +31,7 @@ Eigen::Vector3d on_table(const Eigen::Vector2d& place) {
 }
 /// The end effector touching a ball from above, `back` behind its top along `way`.
 Eigen::Vector3d upon(const Eigen::Vector2d& ball, double back, const Eigen::Vector2d& way) {
-  const double reach = kRadius + plant::kEndEffectorRadius;
+  const double reach = kRadius + end_effector().sphere_radius;
   Eigen::Vector3d p = on_table(ball);
   p.head<2>() -= back * way;
   p.z() += std::sqrt(reach * reach - back * back);

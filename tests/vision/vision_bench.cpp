@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/core/utility.hpp>
 
+#include "plant_emulator/load_parameters.hpp"
 #include "vision/load_parameters.hpp"
 #include "vision/tracker.hpp"
 #include "vision/virtual_cameras.hpp"
@@ -50,6 +51,7 @@ struct Rig {
     world.table_tilt.setZero();
     world.friction = {1, 1, 1, 1};
     world.step = 5e-4;
+    world.end_effector = plant::end_effector_of(config::load_robot("panda"));
     for (std::size_t i = 0; i < balls; ++i) world.balls.push_back({kPlaces[i], kRadius, 0.132});
     return world;
   }

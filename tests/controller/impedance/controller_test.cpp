@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/panda.hpp"
 
 namespace c3rt::impedance {
 namespace {
@@ -51,7 +52,7 @@ Parameters parameters() {
   return p;
 }
 
-Controller make(const Parameters& p) { return Controller(p, model::Arm(model::panda_urdf_path())); }
+Controller make(const Parameters& p) { return Controller(p, model::Arm(test::panda_arm())); }
 
 /// A robot at the start posture, with a state stamped now and no plan.
 Input at(std::int64_t now_ns) {
@@ -88,7 +89,7 @@ Input with_plan(std::int64_t now_ns, const Vector3d& p_WE = kStart) {
 
 /// The exact arm under the controller's torque, 1 ms per step.
 struct Loop {
-  explicit Loop(const Parameters& p) : controller(make(p)), plant(model::panda_urdf_path()) {
+  explicit Loop(const Parameters& p) : controller(make(p)), plant(test::panda_arm()) {
     q = at(0).q;
   }
   Output step(Input input) {

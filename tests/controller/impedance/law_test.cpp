@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/panda.hpp"
 
 namespace c3rt::impedance {
 namespace {
@@ -58,7 +59,7 @@ Vector7d acceleration(const ArmState& arm, const Vector7d& tau) {
 TEST_CASE(
     "law: the end effector accelerates by K e + B e', whatever the posture and the null-space "
     "torque") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   Postures random;
   ArmState state;
   const Gains gains = paper_gains();
@@ -84,7 +85,7 @@ TEST_CASE(
 TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
   // critically damped in translation: e(t) = e_0 (1 + w t) exp(-w t) with w = B/2; 1 mm keeps the
   // terms of second order (J' dq, which (36) leaves out) below 1 % of e_0
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   const Gains gains = paper_gains();
   Vector7d q = gains.null_space_q, dq = Vector7d::Zero();
@@ -113,7 +114,7 @@ TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
 TEST_CASE("law: a small rotation dies out with half the rotational stiffness") {
   // the vector part of a quaternion is half the angle: a'' + B a' + K/2 a = 0, here critically
   // damped
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   const Gains gains = paper_gains();
   Vector7d q = gains.null_space_q, dq = Vector7d::Zero();
@@ -135,7 +136,7 @@ TEST_CASE("law: a small rotation dies out with half the rotational stiffness") {
 }
 
 TEST_CASE("law: null-space torque moves the joints and not the end effector") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   Postures random;
   ArmState state;
   for (int n = 0; n < 50; ++n) {
@@ -156,7 +157,7 @@ double damping_power(const Gains& gains, const ArmState& state, const Vector7d& 
 }
 
 TEST_CASE("law: the task's damping never feeds energy into the arm") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   Postures random;
   ArmState state;
   Gains gains = paper_gains();
@@ -175,7 +176,7 @@ TEST_CASE(
     "law: an end effector that is held up in z is pushed sideways by the full inertia, not by the "
     "diagonal") {
   // the wrench w with tau = J^T w, at rest and without posture: J M^-1 tau = (J M^-1 J^T) w
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   Gains gains = paper_gains();
   gains.null_space_stiffness = 0;
@@ -197,7 +198,7 @@ TEST_CASE(
 }
 
 TEST_CASE("law: with the uncoupled inertia a blocked end effector is pushed only back") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   arm.update(kStart, Vector7d::Zero(), state);
   const Matrix6d Lambda = task_inertia(state).Lambda, W = uncoupled(Lambda);
@@ -222,7 +223,7 @@ TEST_CASE("law: with the uncoupled inertia a blocked end effector is pushed only
 
 TEST_CASE(
     "law: the null-space damping slows every motion that leaves the end effector where it is") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   Postures random;
   ArmState state;
   Gains gains = paper_gains();
@@ -241,7 +242,7 @@ TEST_CASE(
 TEST_CASE(
     "law: with the planned contact force present, feed-forward keeps the end effector at rest") {
   // statics: M ddq = tau + J_v^T f = 0 at the goal
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   Gains gains = paper_gains();
   const Vector7d q = gains.null_space_q;
@@ -273,7 +274,7 @@ TEST_CASE("law: the rotational error goes the short way and is expressed in the 
 
 TEST_CASE("law: a stretched arm asks for bounded torque") {
   // joint 4 at 0: the arm is straight and cannot move along itself
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   const Vector7d q = (Vector7d() << 0.1, 0.4, -0.2, 0.0, 0.3, 0.5, 0.1).finished();
   arm.update(q, Vector7d::Zero(), state);
@@ -287,7 +288,7 @@ TEST_CASE("law: a stretched arm asks for bounded torque") {
 }
 
 TEST_CASE("law: in the task's space nothing is bounded, so the law is exact there") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   Postures random;
   ArmState state;
   for (int n = 0; n < 200; ++n) {
@@ -298,7 +299,7 @@ TEST_CASE("law: in the task's space nothing is bounded, so the law is exact ther
 }
 
 TEST_CASE("law: torque does not allocate") {
-  model::Arm arm(model::panda_urdf_path());
+  model::Arm arm(test::panda_arm());
   ArmState state;
   arm.update(kStart, Vector7d::Ones(), state);
   const Gains gains = paper_gains();

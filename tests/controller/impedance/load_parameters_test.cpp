@@ -12,7 +12,7 @@ constexpr char kScenario[] = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slo
 
 Parameters load_with(const std::vector<std::string>& overrides) {
   config::Section scenario = config::Document::load(kScenario, overrides);
-  return load_parameters(scenario.section("impedance"));
+  return load_from_scenario(scenario);
 }
 
 TEST_CASE(
@@ -40,7 +40,7 @@ TEST_CASE(
   CHECK(load_with({"impedance.reference=interpolate"}).reference == Reference::kInterpolate);
   CHECK(load_with({"impedance.feed_forward=true"}).feed_forward);
   CHECK_FALSE(load_with({"impedance.feed_forward=false"}).feed_forward);
-  CHECK(load_with({}).urdf_path.empty());
+  CHECK(load_with({}).arm.urdf_path == model::urdf_path("panda_description/urdf/panda.urdf"));
   CHECK_THROWS_WITH(load_with({"impedance.reference=extrapolate"}),
                     Catch::Contains("impedance.reference") && Catch::Contains("hold, interpolate"));
 }
@@ -58,7 +58,7 @@ TEST_CASE("impedance parameters: a value out of range or a box inside out is ref
 
 TEST_CASE("impedance parameters: a key that nobody knows is refused") {
   config::Section section = config::Document::parse("rate_hz: 1000\nstifness: 3\n", "typo.yaml");
-  CHECK_THROWS_AS(load_parameters(section), config::ConfigError);
+  CHECK_THROWS_AS(load_parameters(section, config::load_robot("panda")), config::ConfigError);
 }
 
 }  // namespace

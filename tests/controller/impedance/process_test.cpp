@@ -15,6 +15,7 @@
 #include "controller/model/arm.hpp"
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/panda.hpp"
 
 namespace c3rt::impedance {
 namespace {
@@ -43,7 +44,7 @@ class Run {
         plans_(bus_),
         commands_(bus_),
         master_(bus_, {c3rt_v1_PROCESS_IMPEDANCE}, 30 * kSecond),
-        arm_(model::panda_urdf_path()) {
+        arm_(test::panda_arm()) {
     q_ << 0, 0.275, 0, -2.222, 0, 2.497, 0;
     arm_.update(q_, dq_, arm_state_);
     center_ = arm_state_.X_WE.translation() - Eigen::Vector3d(kRadius, 0, 0);

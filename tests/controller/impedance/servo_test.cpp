@@ -12,6 +12,7 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/panda.hpp"
 
 namespace c3rt::impedance {
 namespace {
@@ -27,7 +28,7 @@ constexpr char kScenario[] = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slo
 
 Parameters parameters() {
   config::Section scenario = config::Document::load(kScenario);
-  return load_parameters(scenario.section("impedance"));
+  return load_parameters(scenario.section("impedance"), config::load_robot(scenario));
 }
 
 wire::RobotState robot_state(std::int64_t now_ns) {
@@ -77,7 +78,7 @@ struct Process {
   explicit Process(const wire::BusSettings& settings)
       : bus(settings),
         status(bus, c3rt_v1_PROCESS_IMPEDANCE),
-        servo(bus, parameters(), model::Arm(model::panda_urdf_path()), status.compute()),
+        servo(bus, parameters(), model::Arm(test::panda_arm()), status.compute()),
         service(bus, servo, status) {}
   wire::Bus bus;
   wire::StatusReporter status;

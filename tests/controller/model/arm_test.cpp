@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/panda.hpp"
 
 namespace c3rt::model {
 namespace {
@@ -15,7 +16,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Arm panda() { return Arm(panda_urdf_path()); }
+Arm panda() { return Arm(test::panda_arm()); }
+
+ArmDescription with_urdf(const std::string& path) {
+  ArmDescription description = test::panda_arm();
+  description.urdf_path = path;
+  return description;
+}
 
 /// The arm once more from the URDF's numbers, by the definitions: frames multiplied out, M from the
 /// links' kinetic energies, gravity from their heights. Shares no code with Pinocchio.
@@ -199,21 +206,28 @@ TEST_CASE(
 }
 
 TEST_CASE("arm: a missing or unusable model is refused by its path, with what to do") {
-  CHECK_THROWS_AS(Arm("/nowhere/panda.urdf"), ArmError);
-  CHECK_THROWS_WITH(Arm("/nowhere/panda.urdf"), Catch::Contains("/nowhere/panda.urdf") &&
+  CHECK_THROWS_AS(Arm(with_urdf("/nowhere/panda.urdf")), ArmError);
+  CHECK_THROWS_WITH(Arm(with_urdf("/nowhere/panda.urdf")), Catch::Contains("/nowhere/panda.urdf") &&
                                                     Catch::Contains("./c3rt setup") &&
                                                     Catch::Contains("C3RT_PANDA_URDF"));
   const std::string not_a_urdf = std::string(C3RT_SOURCE_DIRECTORY) + "/CMakeLists.txt";
-  CHECK_THROWS_WITH(Arm(not_a_urdf), Catch::Contains("CMakeLists.txt: not a URDF"));
+  CHECK_THROWS_WITH(Arm(with_urdf(not_a_urdf)), Catch::Contains("CMakeLists.txt: not a URDF"));
+}
+
+TEST_CASE("arm: a flange that the model does not have is refused by its name") {
+  ArmDescription description = test::panda_arm();
+  description.flange = "panda_link9";
+  CHECK_THROWS_WITH(Arm(description), Catch::Contains("no link panda_link9"));
 }
 
 TEST_CASE("arm: the environment chooses another model file") {
   const char* before = std::getenv("C3RT_PANDA_URDF");
   const std::string saved = before == nullptr ? "" : before;
   setenv("C3RT_PANDA_URDF", "/elsewhere/panda.urdf", 1);
-  CHECK(panda_urdf_path() == "/elsewhere/panda.urdf");
+  CHECK(test::panda_arm().urdf_path == "/elsewhere/panda.urdf");
   unsetenv("C3RT_PANDA_URDF");
-  CHECK(panda_urdf_path() ==
+  CHECK(urdf_path("/my/own.urdf") == "/my/own.urdf");
+  CHECK(test::panda_arm().urdf_path ==
         std::string(C3RT_THIRD_PARTY) + "/share/panda_description/urdf/panda.urdf");
   if (!saved.empty()) setenv("C3RT_PANDA_URDF", saved.c_str(), 1);
 }

@@ -1,0 +1,50 @@
+#include "config/robot.hpp"
+
+#include <cmath>
+
+#include "config/directory.hpp"
+
+namespace c3rt::config {
+namespace {
+
+constexpr const char* kDefault = "panda";
+constexpr Range kAngle{-2 * M_PI, 2 * M_PI};
+
+Robot read(Section& section) {
+  Robot robot{};
+  robot.urdf = section.text("urdf");
+  robot.flange = section.text("flange");
+  Section joints = section.section("joints");
+  robot.q_min = joints.numbers("q_min_rad", 7, kAngle);
+  robot.q_max = joints.numbers("q_max_rad", 7, kAngle);
+  if ((robot.q_min.array() >= robot.q_max.array()).any())
+    joints.fail("q_max_rad", "every entry above that of q_min_rad", "one that is not");
+  robot.dq_max = joints.numbers("dq_max_rad_per_s", 7, {0.01, 10});
+  robot.tau_max = joints.numbers("tau_max_nm", 7, {0.1, 1000});
+  robot.tau_rate_max = joints.number("tau_rate_max_nm_per_s", {1, 1e5});
+  Section tool = section.section("end_effector");
+  robot.end_effector.mass = tool.number("mass_kg", {1e-3, 20});
+  robot.end_effector.center_of_mass = tool.number("center_of_mass_m", {0, 1});
+  robot.end_effector.inertia_xx = tool.number("inertia_xx_kg_m2", {1e-9, 10});
+  robot.end_effector.inertia_zz = tool.number("inertia_zz_kg_m2", {1e-9, 10});
+  robot.end_effector.sphere_center = tool.number("sphere_center_m", {0, 1});
+  robot.end_effector.sphere_radius = tool.number("sphere_radius_m", {1e-3, 0.2});
+  return robot;
+}
+
+}  // namespace
+
+Robot load_robot(Section& root) {
+  if (!root.has("robot")) return load_robot(kDefault);
+  Section section = root.section("robot");
+  Robot robot = read(section);
+  section.finish();
+  return robot;
+}
+
+Robot load_robot(const std::string& name) {
+  Section section = Document::load((directory() / "robots" / (name + ".yaml")).string());
+  return read(section);
+}
+
+}  // namespace c3rt::config

@@ -1,0 +1,37 @@
+#pragma once
+// The robot's description (config/robots), read by the arm's model, the impedance controller and
+// the plant.
+#include <string>
+
+#include "config/section.hpp"
+
+namespace c3rt::config {
+
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+
+struct Robot {
+  std::string urdf;    // absolute, or below the folder of models that the set-up installed
+  std::string flange;  // link of the URDF that carries the end effector
+  // that the robot itself enforces
+  Vector7d q_min, q_max;  // [rad]
+  Vector7d dq_max;        // [rad/s]
+  Vector7d tau_max;       // [N m]
+  double tau_rate_max;    // [N m/s]
+  /// Bolted to the flange, everything along its z.
+  struct EndEffector {
+    double mass;            // [kg]
+    double center_of_mass;  // [m]
+    double inertia_xx;      // about the centre of mass; also yy [kg m^2]
+    double inertia_zz;      // [kg m^2]
+    double sphere_center;   // [m]
+    double sphere_radius;   // [m]
+  } end_effector;
+};
+
+/// Of a whole scenario; the Panda's where it names none. @throws ConfigError
+Robot load_robot(Section& root);
+
+/// One of config/robots, without a scenario. @throws ConfigError
+Robot load_robot(const std::string& name);
+
+}  // namespace c3rt::config
