@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 // Compiled a second time with wider vectors where the processor has them. Without fused
 // multiply-add an element sees the same operations in the same order either way. Sanitizers cannot
@@ -19,15 +21,24 @@ namespace {
 
 typedef double Four __attribute__((vector_size(32)));
 typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long FourBits __attribute__((vector_size(32)));
+typedef long long FourBitsAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
 
 constexpr int kMaxFours = 6;  // that many sums fit the registers
 
-/// y ±= Σ_m c[m stride] X[:, column m], over 4 kFours rows; column m is index[m] or m itself.
-template <int kFours, bool kSubtract, bool kIndexed>
+/// y ±= Σ_m c[m stride] X[:, column m], or with kFromZero y = that, over 4 kFours rows; column m is
+/// index[m] or m itself.
+template <int kFours, bool kSubtract, bool kIndexed, bool kFromZero = false>
 C3RT_INLINE void accumulate_fours(const double* X, int ld, int count, const int* index,
                                   const double* c, int stride, double* y) {
   Four sum[kFours];
-  for (int i = 0; i < kFours; ++i) sum[i] = *reinterpret_cast<const FourAnywhere*>(y + 4 * i);
+  for (int i = 0; i < kFours; ++i) {
+    if (kFromZero) {
+      sum[i] = Four{0.0, 0.0, 0.0, 0.0};
+    } else {
+      sum[i] = *reinterpret_cast<const FourAnywhere*>(y + 4 * i);
+    }
+  }
   for (int m = 0; m < count; ++m) {
     const double* x = X + static_cast<long>(kIndexed ? index[m] : m) * ld;
     const double factor = kSubtract ? -c[static_cast<long>(m) * stride] : c[m * stride];
@@ -70,14 +81,55 @@ C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const 
   }
 }
 
-/// Y += X S for 4 kFours of the rows.
-template <int kFours>
+/// Y += X S, or with kFromZero Y = X S, for 4 kFours of the rows.
+template <int kFours, bool kFromZero>
 C3RT_INLINE void add_fours(const double* X, int ld, Columns S, int first, int last, double* Y) {
   for (int j = first; j < last; ++j, Y += ld) {
     const int begin = S.start[j];
-    accumulate_fours<kFours, false, true>(X, ld, S.start[j + 1] - begin, S.row + begin,
-                                          S.value + begin, 1, Y);
+    accumulate_fours<kFours, false, true, kFromZero>(X, ld, S.start[j + 1] - begin, S.row + begin,
+                                                     S.value + begin, 1, Y);
   }
+}
+
+template <bool kFromZero>
+C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int last, double* Y) {
+  const int ld = padded(rows);
+  for (int row = 0, left = ld / 4; left > 0; row += 4 * kMaxFours, left -= kMaxFours) {
+    const double* x = X + row;
+    double* y = Y + row;
+    switch (std::min(left, kMaxFours)) {
+      case 1:
+        add_fours<1, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 2:
+        add_fours<2, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 3:
+        add_fours<3, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 4:
+        add_fours<4, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 5:
+        add_fours<5, kFromZero>(x, ld, S, first, last, y);
+        break;
+      default:
+        add_fours<6, kFromZero>(x, ld, S, first, last, y);
+        break;
+    }
+  }
+}
+
+/// y += X c over kRows rows, fewer than four.
+template <int kRows>
+C3RT_INLINE void add_columns_of_rest(int cols, const double* X, int stride, const double* c,
+                                     double* y) {
+  double sum[kRows];
+  for (int i = 0; i < kRows; ++i) sum[i] = y[i];
+  for (int j = 0; j < cols; ++j, X += stride) {
+    for (int i = 0; i < kRows; ++i) sum[i] += X[i] * c[j];
+  }
+  for (int i = 0; i < kRows; ++i) y[i] = sum[i];
 }
 
 /// The row from which column j of a symmetric matrix is computed.
@@ -87,42 +139,25 @@ C3RT_INLINE int from_row(int j) { return j / 4 * 4; }
 
 C3RT_WIDE void add_product(int rows, const double* X, Columns S, int first, int last,
                            double* Y) noexcept {
-  const int ld = padded(rows);
-  for (int row = 0, left = ld / 4; left > 0; row += 4 * kMaxFours, left -= kMaxFours) {
-    const double* x = X + row;
-    double* y = Y + row;
-    switch (std::min(left, kMaxFours)) {
-      case 1:
-        add_fours<1>(x, ld, S, first, last, y);
-        break;
-      case 2:
-        add_fours<2>(x, ld, S, first, last, y);
-        break;
-      case 3:
-        add_fours<3>(x, ld, S, first, last, y);
-        break;
-      case 4:
-        add_fours<4>(x, ld, S, first, last, y);
-        break;
-      case 5:
-        add_fours<5>(x, ld, S, first, last, y);
-        break;
-      default:
-        add_fours<6>(x, ld, S, first, last, y);
-        break;
-    }
-  }
+  multiply<false>(rows, X, S, first, last, Y);
+}
+
+C3RT_WIDE void product(int rows, const double* X, Columns S, int first, int last,
+                       double* Y) noexcept {
+  multiply<true>(rows, X, S, first, last, Y);
 }
 
 C3RT_WIDE void transpose(int rows, int cols, const double* X, double* Y) noexcept {
-  const int ld_X = padded(rows), ld_Y = padded(cols), whole = cols / 4 * 4;
-  for (int j = 0; j < rows; j += 4) {  // X is padded, Y has `rows` columns
-    for (int i = 0; i < whole; i += 4) {
+  const int ld_X = padded(rows), ld_Y = padded(cols);
+  const Four zeros = {0.0, 0.0, 0.0, 0.0};  // in Y's padding
+  for (int j = 0; j < rows; j += 4) {       // X is padded, Y has `rows` columns
+    for (int i = 0; i < cols; i += 4) {
       const double* x = X + i * ld_X + j;
+      const int left = cols - i;
       const Four a = *reinterpret_cast<const FourAnywhere*>(x);
-      const Four b = *reinterpret_cast<const FourAnywhere*>(x + ld_X);
-      const Four c = *reinterpret_cast<const FourAnywhere*>(x + 2 * ld_X);
-      const Four d = *reinterpret_cast<const FourAnywhere*>(x + 3 * ld_X);
+      const Four b = left > 1 ? *reinterpret_cast<const FourAnywhere*>(x + ld_X) : zeros;
+      const Four c = left > 2 ? *reinterpret_cast<const FourAnywhere*>(x + 2 * ld_X) : zeros;
+      const Four d = left > 3 ? *reinterpret_cast<const FourAnywhere*>(x + 3 * ld_X) : zeros;
       const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
       const Four ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
       const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
@@ -134,9 +169,6 @@ C3RT_WIDE void transpose(int rows, int cols, const double* X, double* Y) noexcep
       for (int m = 0; m < 4 && j + m < rows; ++m) {
         *reinterpret_cast<FourAnywhere*>(Y + (j + m) * ld_Y + i) = row[m];
       }
-    }
-    for (int i = whole; i < cols; ++i) {
-      for (int m = j; m < j + 4 && m < rows; ++m) Y[m * ld_Y + i] = X[i * ld_X + m];
     }
   }
 }
@@ -179,10 +211,18 @@ C3RT_WIDE void add_columns(int rows, int cols, const double* X, int stride, cons
                            double* y) noexcept {
   const int whole = rows / 4 * 4;
   accumulate<false>(whole, X, stride, cols, c, 1, y);
-  for (int i = whole; i < rows; ++i) {
-    double sum = y[i];
-    for (int j = 0; j < cols; ++j) sum += X[static_cast<long>(j) * stride + i] * c[j];
-    y[i] = sum;
+  switch (rows - whole) {
+    case 1:
+      add_columns_of_rest<1>(cols, X + whole, stride, c, y + whole);
+      break;
+    case 2:
+      add_columns_of_rest<2>(cols, X + whole, stride, c, y + whole);
+      break;
+    case 3:
+      add_columns_of_rest<3>(cols, X + whole, stride, c, y + whole);
+      break;
+    default:
+      break;
   }
 }
 
@@ -205,22 +245,30 @@ C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const do
   }
 }
 
-C3RT_WIDE double largest(int n, const double* v) noexcept {
-  // 0 v is 0, or NaN
-  Four most = {0.0, 0.0, 0.0, 0.0}, zero = most;
-  const int whole = n / 4 * 4;
-  for (int i = 0; i < whole; i += 4) {
-    const Four x = *reinterpret_cast<const FourAnywhere*>(v + i);
-    const Four size = x < 0.0 ? -x : x;
-    most = size > most ? size : most;
-    zero += 0.0 * x;
+C3RT_WIDE double largest(int rows, int cols, const double* X, int stride) noexcept {
+  // without their signs, doubles are in the order of their bits, and NaN is above infinity
+  constexpr long long kSize = std::numeric_limits<long long>::max();
+  FourBits most = {0, 0, 0, 0};
+  long long all = 0;
+  for (int j = 0; j < cols; ++j, X += stride) {
+    if (rows >= 4) {
+      for (int i = 0; i < rows; i += 4) {  // the last four may overlap those before
+        const FourBits bits =
+            kSize & *reinterpret_cast<const FourBitsAnywhere*>(X + std::min(i, rows - 4));
+        most = bits > most ? bits : most;
+      }
+    } else {
+      for (int i = 0; i < rows; ++i) {
+        long long bits;
+        std::memcpy(&bits, X + i, sizeof bits);
+        all = std::max(all, bits & kSize);
+      }
+    }
   }
-  for (int i = whole; i < n; ++i) {
-    most[0] = std::max(most[0], std::abs(v[i]));
-    zero[0] += 0.0 * v[i];
-  }
-  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3])) +
-         ((zero[0] + zero[1]) + (zero[2] + zero[3]));
+  for (int i = 0; i < 4; ++i) all = std::max<long long>(all, most[i]);
+  double value;
+  std::memcpy(&value, &all, sizeof value);
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {

@@ -19,6 +19,9 @@ struct Columns {
 /// Y += X S for columns [first, last) of S, those of Y from 0 on. X (rows × …).
 void add_product(int rows, const double* X, Columns S, int first, int last, double* Y) noexcept;
 
+/// Y = X S in the same way.
+void product(int rows, const double* X, Columns S, int first, int last, double* Y) noexcept;
+
 /// Y = Xᵀ, X (rows × cols).
 void transpose(int rows, int cols, const double* X, double* Y) noexcept;
 
@@ -42,8 +45,10 @@ void subtract_transposed(int rows, int cols, const double* X, const double* y, d
 /// y −= X c, X (rows × cols), y padded.
 void subtract_columns(int rows, int cols, const double* X, const double* c, double* y) noexcept;
 
-/// The largest |v_i|, nothing padded; NaN if one is not finite.
-double largest(int n, const double* v) noexcept;
+/// The largest |X_ij|, X (rows × cols) with columns `stride` apart, nothing padded; NaN if one is not
+/// finite.
+double largest(int rows, int cols, const double* X, int stride) noexcept;
+inline double largest(int n, const double* v) noexcept { return largest(n, 1, v, n); }
 
 /// L⁻¹ y in place.
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept;

@@ -65,17 +65,13 @@ void QpCost::gradient(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<cons
 
 QpCost::Terms QpCost::terms(const MatrixXd& gradient, const VectorXd& gradient_N) const noexcept {
   const int n_x = sizes_.n_x, n_nu = sizes_.n_z() - n_x;
-  Terms largest{std::max(kernels::largest(n_x, gradient_N.data()),
-                         kernels::largest(n_x, h_N_.data())),
-                0.0};
-  for (int k = 0; k < sizes_.N; ++k) {
-    const double *own = gradient.col(k).data(), *linear = h_.col(k).data();
-    largest.state = std::max(
-        {largest.state, kernels::largest(n_x, own), kernels::largest(n_x, linear)});
-    largest.input = std::max({largest.input, kernels::largest(n_nu, own + n_x),
-                              kernels::largest(n_nu, linear + n_x)});
-  }
-  return largest;
+  const auto largest = [&](int first, int rows) {
+    return std::max(kernels::largest(rows, sizes_.N, gradient.data() + first, n_x + n_nu),
+                    kernels::largest(rows, sizes_.N, h_.data() + first, n_x + n_nu));
+  };
+  const double of_x_N =
+      std::max(kernels::largest(n_x, gradient_N.data()), kernels::largest(n_x, h_N_.data()));
+  return {std::max(of_x_N, largest(0, n_x)), largest(n_x, n_nu)};
 }
 
 }  // namespace c3rt::c3

@@ -168,13 +168,11 @@ bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last,
 bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
   const kernels::Columns B_hat = system(k).B_hat.columns();
   const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
-  std::fill(PB_.begin(), PB_.end(), 0.0);
-  kernels::add_product(n_x, stages_[k].P_next.data(), B_hat, begin, n_nu_, PB_.data());
-  std::fill(BP_.begin(), BP_.end(), 0.0);
+  kernels::product(n_x, stages_[k].P_next.data(), B_hat, begin, n_nu_, PB_.data());
   kernels::transpose(n_x, n, PB_.data(), BP_.data());
-  std::fill(R_.begin(), R_.end(), 0.0);
   for (int j = 0; j < n; ++j) {
     std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
+    std::fill(&R_[j * ld] + n, &R_[j * ld] + ld, 0.0);
   }
   add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
   kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
@@ -196,8 +194,7 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares)
   const int n_x = sizes_.n_x;
   Stage& stage = stages_[k];
   std::vector<double>& P = stages_[k - 1].P_next;
-  std::fill(PA_.begin(), PA_.end(), 0.0);
-  kernels::add_product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
+  kernels::product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
   kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
   for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
   add_squares(squares, k, 0, n_x, n_x, n_nu_, ld_x_, stage.T.data());
@@ -235,12 +232,12 @@ double Riccati::relative_defect(const Eigen::Ref<const MatrixXd>& z,
   for (int k = 0; k < sizes_.N; ++k) {
     const double largest = kernels::largest(n_x, defect.col(k).data());
     if (largest == 0.0) continue;
+    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    const double of_next = kernels::largest(n_x, next);
+    if (largest <= worst * of_next) continue;  // other terms could only make it less
     std::copy_n(lcs_[k].d.data(), n_x, x_.data());
     add_product(system(k).A.columns(), 0, n_x, z.col(k).data(), x_.data());
-    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
-    const double scale =
-        std::max(kernels::largest(n_x, x_.data()), kernels::largest(n_x, next));
-    worst = larger(worst, largest / scale);
+    worst = larger(worst, largest / std::max(kernels::largest(n_x, x_.data()), of_next));
   }
   return worst;
 }
@@ -259,6 +256,12 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
                                     const MatrixXd* defect, const double* z) noexcept {
   const int n_x = sizes_.n_x;
   Stationarity found;
+  const int n_z = sizes_.n_z(), behind = sizes_.N - 1;  // the stages behind the first
+  const double* second = gradient.data() + n_z;
+  found.input_scale = larger(
+      kernels::largest(n_nu_ - first(0), gradient.data() + n_x + first(0)),
+      kernels::largest(n_nu_, behind, second + n_x, n_z));
+  found.state_scale = kernels::largest(n_x, behind, second, n_z);
   std::copy_n(gradient_N.data(), n_x, p_.data());
   for (int k = sizes_.N - 1; k >= 0; --k) {
     const Stage& stage = stages_[k];
@@ -269,6 +272,7 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     }
     const kernels::Columns B_hat = system(k).B_hat.columns();
     double unknown[2] = {0.0, 0.0};  // of λ, of u
+    double largest = 0.0, largest_term = 0.0, zero = 0.0;  // 0 v is 0, or NaN
     for (int i = 0; i < n; ++i) {
       double sum = 0.0, terms = 0.0;
       for (int e = B_hat.start[begin + i]; e < B_hat.start[begin + i + 1]; ++e) {
@@ -276,24 +280,26 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
         sum += term;
         terms += std::abs(term);
       }
-      nu_[i] = sum;
+      largest_term = std::max(largest_term, std::abs(sum));
+      nu_[i] = sum + g[n_x + begin + i];
+      largest = std::max(largest, std::abs(nu_[i]));
+      zero += 0.0 * nu_[i];
       // an entry of R̂⁻¹ is at least this
       double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
       kind = std::max(kind, terms * stage.L_inverse[i] * stage.L_inverse[i]);
     }
     std::fill(nu_.begin() + n, nu_.end(), 0.0);
-    const double scale = std::max(kernels::largest(n, nu_.data()),
-                                  kernels::largest(n, g + n_x + begin));
-    found.input_scale = larger(found.input_scale, scale);
-    for (int i = 0; i < n; ++i) nu_[i] += g[n_x + begin + i];
-    found.input = larger(found.input, kernels::largest(n, nu_.data()));
+    found.input_scale = larger(found.input_scale, largest_term);
+    found.input = larger(found.input, largest + zero);
     if (z != nullptr) {
-      const double* nu = z + k * sizes_.n_z() + n_x;
-      const int n_lambda = sizes_.n_lambda;
-      found.unknown = std::max(
-          {found.unknown, kRounding * unknown[0] / std::max(1.0, kernels::largest(n_lambda, nu)),
-           kRounding * unknown[1] /
-               std::max(1.0, kernels::largest(sizes_.n_u, nu + n_lambda))});
+      const double* nu = z + k * n_z + n_x;
+      const auto compare = [&found](double of_kind, int size, const double* values) {
+        if (kRounding * of_kind <= found.unknown) return;  // however small the values are
+        found.unknown = std::max(
+            found.unknown, kRounding * of_kind / std::max(1.0, kernels::largest(size, values)));
+      };
+      compare(unknown[0], sizes_.n_lambda, nu);
+      compare(unknown[1], sizes_.n_u, nu + sizes_.n_lambda);
     } else {
       for (int i = 0; i < n; ++i) found.input_sum += std::abs(nu_[i]);
     }
@@ -301,9 +307,7 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
     std::fill(p_next_.begin(), p_next_.end(), 0.0);
     add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
-    found.state_scale =
-        larger(found.state_scale,
-               std::max(kernels::largest(n_x, p_next_.data()), kernels::largest(n_x, g)));
+    found.state_scale = larger(found.state_scale, kernels::largest(n_x, p_next_.data()));
     std::fill(x_.begin(), x_.end(), 0.0);
     kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
     found.state = larger(found.state, kernels::largest(n_x, x_.data()));
@@ -391,9 +395,10 @@ double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,
                      const Eigen::Ref<const MatrixXd>& z) noexcept {
   double ratio = 0.0;
   const auto compare = [&](int first, int count) {
-    if (count == 0) return;
-    const double size = z.middleRows(first, count).cwiseAbs().maxCoeff();
-    const double change = step.middleRows(first, count).cwiseAbs().maxCoeff();
+    const auto largest = [&](const Eigen::Ref<const MatrixXd>& M) {
+      return kernels::largest(count, sizes.N, M.data() + first, static_cast<int>(M.outerStride()));
+    };
+    const double size = largest(z), change = largest(step);
     if (change > ratio * size) ratio = change / size;
   };
   compare(0, sizes.n_x);

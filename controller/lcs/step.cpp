@@ -5,23 +5,27 @@
 namespace c3rt::lcs {
 namespace {
 
-/// q += block v, and what that is added up from to terms.
-void add(const Eigen::MatrixXd& block, const Eigen::Ref<const Eigen::VectorXd>& v,
-         Lemke& lemke) noexcept {
-  lemke.q().noalias() += block * v;
+/// What block v is added up from, to `terms`.
+void add_terms(const Eigen::MatrixXd& block, const Eigen::Ref<const Eigen::VectorXd>& v,
+               Eigen::VectorXd& terms) noexcept {
   for (Eigen::Index j = 0; j < block.cols(); ++j) {
     const double size = std::abs(v[j]);
-    if (size > 0.0) lemke.terms() += size * block.col(j).cwiseAbs();
+    if (size > 0.0) terms += size * block.col(j).cwiseAbs();
   }
 }
+
+/// Nothing touches with forces of 0: no answer of it needs a test by its terms.
+bool is_open(const Eigen::VectorXd& q) noexcept { return q.size() == 0 || q.minCoeff() >= 0.0; }
 
 }  // namespace
 
 LcpReport solve_lcp(const Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x, Lemke& lemke,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   lemke.q() = lcs.c;
+  lemke.q().noalias() += lcs.E * x;
+  if (is_open(lemke.q())) return lemke.solve(lcs.F, lemke.q(), lemke.q(), lambda);
   lemke.terms() = lcs.c.cwiseAbs();
-  add(lcs.E, x, lemke);
+  add_terms(lcs.E, x, lemke.terms());
   return lemke.solve(lcs.F, lemke.q(), lemke.terms(), lambda);
 }
 
@@ -29,9 +33,12 @@ LcpReport solve_lcp(const Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x,
                     const Eigen::Ref<const Eigen::VectorXd>& u, Lemke& lemke,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   lemke.q() = lcs.c;
+  lemke.q().noalias() += lcs.E * x;
+  lemke.q().noalias() += lcs.H * u;
+  if (is_open(lemke.q())) return lemke.solve(lcs.F, lemke.q(), lemke.q(), lambda);
   lemke.terms() = lcs.c.cwiseAbs();
-  add(lcs.E, x, lemke);
-  add(lcs.H, u, lemke);
+  add_terms(lcs.E, x, lemke.terms());
+  add_terms(lcs.H, u, lemke.terms());
   return lemke.solve(lcs.F, lemke.q(), lemke.terms(), lambda);
 }
 

@@ -281,9 +281,11 @@ TEST_CASE(
       broken[random.index(rows)] = bad;
       CHECK(std::isnan(kernels::largest(rows, broken.data())));
     }
-    MatrixXd turned = MatrixXd::Zero(ld_L, rows);
+    CHECK(kernels::largest(rows, n, X.data(), ld) == X.topRows(rows).cwiseAbs().maxCoeff());
+    MatrixXd turned = MatrixXd::Constant(ld_L, rows, 7.0);
     kernels::transpose(rows, n, X.data(), turned.data());
     CHECK(turned.topRows(n) == X.topRows(rows).transpose());
+    CHECK((turned.bottomRows(ld_L - n).array() == 0.0).all());
 
     plain = got = y;
     for (int j = 0; j < n; ++j) plain.head(rows) += c[j] * X.col(j).head(rows);
