@@ -120,18 +120,6 @@ C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int l
   }
 }
 
-/// y += X c over kRows rows, fewer than four.
-template <int kRows>
-C3RT_INLINE void add_columns_of_rest(int cols, const double* X, int stride, const double* c,
-                                     double* y) {
-  double sum[kRows];
-  for (int i = 0; i < kRows; ++i) sum[i] = y[i];
-  for (int j = 0; j < cols; ++j, X += stride) {
-    for (int i = 0; i < kRows; ++i) sum[i] += X[i] * c[j];
-  }
-  for (int i = 0; i < kRows; ++i) y[i] = sum[i];
-}
-
 /// The row from which column j of a symmetric matrix is computed.
 C3RT_INLINE int from_row(int j) { return j / 4 * 4; }
 
@@ -210,20 +198,25 @@ C3RT_WIDE void subtract_gram(int rows, int n, const double* Y, double* X) noexce
 C3RT_WIDE void add_columns(int rows, int cols, const double* X, int stride, const double* c,
                            double* y) noexcept {
   const int whole = rows / 4 * 4;
-  accumulate<false>(whole, X, stride, cols, c, 1, y);
-  switch (rows - whole) {
-    case 1:
-      add_columns_of_rest<1>(cols, X + whole, stride, c, y + whole);
-      break;
-    case 2:
-      add_columns_of_rest<2>(cols, X + whole, stride, c, y + whole);
-      break;
-    case 3:
-      add_columns_of_rest<3>(cols, X + whole, stride, c, y + whole);
-      break;
-    default:
-      break;
+  if (whole == 0) {
+    for (int i = 0; i < rows; ++i) {
+      double sum = y[i];
+      for (int j = 0; j < cols; ++j) sum += X[static_cast<long>(j) * stride + i] * c[j];
+      y[i] = sum;
+    }
+    return;
   }
+  // the last four beside the others: some are summed twice
+  Four last = *reinterpret_cast<const FourAnywhere*>(y + rows - 4);
+  if (whole < rows) {
+    const double* x = X + rows - 4;
+    for (int j = 0; j < cols; ++j, x += stride) {
+      const Four factors = {c[j], c[j], c[j], c[j]};
+      last += factors * *reinterpret_cast<const FourAnywhere*>(x);
+    }
+  }
+  accumulate<false>(whole, X, stride, cols, c, 1, y);
+  if (whole < rows) *reinterpret_cast<FourAnywhere*>(y + rows - 4) = last;
 }
 
 C3RT_WIDE void subtract_columns(int rows, int cols, const double* X, const double* c,
