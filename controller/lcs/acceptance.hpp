@@ -31,15 +31,14 @@ struct LcpMiss {
                            const Eigen::Ref<const Eigen::VectorXd>& lambda) noexcept;
 
 /// Whether `lambda` passes `miss` by far in the units as they are given, R = C = 1: every gap to within
-/// a share of what it is added up from, and no more than 1e-4 of the largest of `terms`.
+/// 1e-12 of what it is added up from, and no more than 1e-4 of the largest of `terms`.
 /// @param residual max |min(λ, F λ + q)|, if so
-/// @param share of its terms that a gap may miss
 /// RT: no heap, no lock, no throw.
 [[nodiscard]] bool is_exact(const Eigen::Ref<const Eigen::MatrixXd>& F,
                             const Eigen::Ref<const Eigen::VectorXd>& q,
                             const Eigen::Ref<const Eigen::VectorXd>& terms,
-                            const Eigen::Ref<const Eigen::VectorXd>& lambda, double& residual,
-                            double share = 1e-12) noexcept;
+                            const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                            double& residual) noexcept;
 
 /// Powers of 2, R and C, that bring the largest entry of every row and column of R [F C, terms] near
 /// 1 [Ruiz 2001]: the largest, because many of the small ones are rounding's.
