@@ -7,6 +7,7 @@
 
 #include "config/directory.hpp"
 #include "config/section.hpp"
+#include "tests/config/error_of.hpp"
 
 using c3rt::config::ConfigError;
 using c3rt::config::Document;
@@ -17,6 +18,7 @@ using Catch::Matchers::Contains;
 using Catch::Matchers::EndsWith;
 using Catch::Matchers::Equals;
 namespace fs = std::filesystem;
+using c3rt::test::error_of;
 
 namespace {
 
@@ -41,15 +43,6 @@ class Files {
  private:
   fs::path folder_;
 };
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 const char* const kBase = R"(name: base
 description: what all share

@@ -7,11 +7,13 @@
 
 #include "config/directory.hpp"
 #include "config/extends.hpp"
+#include "tests/config/error_of.hpp"
 
 using namespace c3rt::config;
 using Catch::Matchers::Contains;
 using Catch::Matchers::EndsWith;
 namespace fs = std::filesystem;
+using c3rt::test::error_of;
 
 namespace {
 
@@ -33,15 +35,6 @@ std::string other_robot(const std::string& from, const std::string& to) {
 Tree with_robot(const std::string& robot, const std::string& more = "") {
   const std::string file = std::string(C3RT_BINARY_DIRECTORY) + "/robot_scenario.yaml";
   return compose("extends: circle_slow\nrobot: " + robot + "\n" + more, file);
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 }  // namespace

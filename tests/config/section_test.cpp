@@ -5,11 +5,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/config/error_of.hpp"
+
 using c3rt::config::ConfigError;
 using c3rt::config::Document;
 using c3rt::config::Section;
 using Catch::Matchers::Contains;
 using Catch::Matchers::Equals;
+using c3rt::test::error_of;
 
 namespace {
 const char* const kText = R"(planner:
@@ -26,14 +29,6 @@ Section planner(const std::vector<std::string>& overrides = {}) {
   return Document::parse(kText, "a.yaml", overrides).section("planner");
 }
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 }  // namespace
 
 TEST_CASE("section: values of the right type and range are read") {
