@@ -87,26 +87,27 @@ std::string lacks_command(const CLI::App& app, const std::string& name) {
   if (word == rest.end()) {
     if (!rest.empty()) {
       return fmt::format("{}there is no option \"{}\"{} ({} --help)", before(name),
-                         config::printable(rest.front()),
-                         suggestion(rest.front(), options_of(app)), name);
+                         config::printable(rest.front()), suggestion(rest.front(), options_of(app)),
+                         name);
     }
-    return fmt::format("{}a command is missing, one of: {} ({} --help)", before(name), joined(known),
-                       name);
+    return fmt::format("{}a command is missing, one of: {} ({} --help)", before(name),
+                       joined(known), name);
   }
-  return fmt::format("{}there is no command \"{}\"{} Known: {}", before(name), config::printable(*word),
-                     known.empty() || nearest(*word, known).empty() ? "." : suggestion(*word, known),
-                     joined(known));
+  return fmt::format(
+      "{}there is no command \"{}\"{} Known: {}", before(name), config::printable(*word),
+      known.empty() || nearest(*word, known).empty() ? "." : suggestion(*word, known),
+      joined(known));
 }
 
 std::string unexpected(const CLI::App& app, const std::string& name) {
   const std::vector<std::string> rest = app.remaining();
   const std::string word = rest.empty() ? "" : rest.front();
   if (word.size() > 1 && word[0] == '-') {
-    return fmt::format("{}there is no option \"{}\"{} ({} --help)", before(name), config::printable(word),
-                       suggestion(word, options_of(app)), name);
+    return fmt::format("{}there is no option \"{}\"{} ({} --help)", before(name),
+                       config::printable(word), suggestion(word, options_of(app)), name);
   }
-  return fmt::format("{}\"{}\" is one word too many ({} --help)", before(name), config::printable(word),
-                     name);
+  return fmt::format("{}\"{}\" is one word too many ({} --help)", before(name),
+                     config::printable(word), name);
 }
 
 }  // namespace

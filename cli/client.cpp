@@ -17,9 +17,9 @@
 #include "cli/run.hpp"
 #include "config/scenario.hpp"
 #include "controller/rt/periodic_clock.hpp"
+#include "controller/task/circle.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
-#include "controller/task/circle.hpp"
 
 namespace c3rt::cli {
 namespace {

@@ -1,9 +1,9 @@
 #include "cli/keeper.hpp"
 
-#include <thread>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <thread>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -98,8 +98,8 @@ void Keeper::tell_target() {
   target_writer_.write(again, rt::now_ns());
 }
 
-/// What stopped the robot was that a process had gone, and that has been made good: nobody need come
-/// and recover it. Who stopped it by hand before, or after, must.
+/// What stopped the robot was that a process had gone, and that has been made good: nobody need
+/// come and recover it. Who stopped it by hand before, or after, must.
 void Keeper::recover(double now) {
   if (restarted_.empty() || now < recover_next_) return;
   if (now > recover_until_ || (recovers_ == kMostRecovers && !robot_well())) {

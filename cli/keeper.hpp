@@ -13,10 +13,10 @@
 
 namespace c3rt::cli {
 
-/// Looks after them, step by step: who has died is started again (RestartPolicy) and told the target
-/// that it had; a robot that was well before is recovered; who dies too often is given up and the
-/// others go on without it. What happened is told in the instance's notes, which `c3rt status`
-/// prints, and on standard output.
+/// Looks after them, step by step: who has died is started again (RestartPolicy) and told the
+/// target that it had; a robot that was well before is recovered; who dies too often is given up
+/// and the others go on without it. What happened is told in the instance's notes, which `c3rt
+/// status` prints, and on standard output.
 class Keeper {
  public:
   Keeper(Launch& launch, Supervisor& supervisor);
@@ -61,9 +61,9 @@ class Keeper {
   std::array<wire::ServiceStatus, wire::kProcessCount> heard_{};  // the newest of each, pid 0: none
   std::optional<wire::TaskTarget> asked_, target_;  // the newest; the newest that was taken
   double well_at_ = -1e9;                           // the robot was well
-  std::string restarted_;        // who was started again while the robot was well; empty: nobody
-  bool target_is_due_ = false;   // of a planner that was started again
-  int recovers_ = 0;         // asked for since then
+  std::string restarted_;       // who was started again while the robot was well; empty: nobody
+  bool target_is_due_ = false;  // of a planner that was started again
+  int recovers_ = 0;            // asked for since then
   double recover_until_ = 0.0, recover_next_ = 0.0, unwell_at_ = 0.0;
 };
 

@@ -26,8 +26,8 @@ wire::BusSettings bus_settings(const LaunchSettings& settings) {
   return bus;
 }
 
-Instance instance(const LaunchSettings& settings, const std::string& scenario,
-                  const fs::path& file, const wire::BusSettings& bus, const fs::path& out) {
+Instance instance(const LaunchSettings& settings, const std::string& scenario, const fs::path& file,
+                  const wire::BusSettings& bus, const fs::path& out) {
   Instance self;
   self.pid = getpid();
   self.verb = settings.verb;

@@ -95,13 +95,11 @@ void DomainLock::set_notes(const std::vector<std::string>& notes) {
 }
 
 void DomainLock::write() const {
-  const json note{{"pid", self_.pid},         {"verb", self_.verb},
-                  {"scenario", self_.scenario}, {"file", self_.file},
-                  {"overrides", self_.overrides}, {"clock", self_.clock},
-                  {"session", self_.session},   {"profile", self_.profile},
-                  {"out", self_.out},           {"started", self_.started},
-                  {"ended", self_.ended},
-                  {"notes", self_.notes}};
+  const json note{
+      {"pid", self_.pid},         {"verb", self_.verb},           {"scenario", self_.scenario},
+      {"file", self_.file},       {"overrides", self_.overrides}, {"clock", self_.clock},
+      {"session", self_.session}, {"profile", self_.profile},     {"out", self_.out},
+      {"started", self_.started}, {"ended", self_.ended},         {"notes", self_.notes}};
   const std::string text = note.dump() + "\n";
   const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
                                                        static_cast<ssize_t>(text.size());

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include <vector>
 
 #include <sys/types.h>
 
@@ -22,12 +21,12 @@ struct Instance {
   std::string scenario;  // name
   std::string file;      // of the scenario
   std::vector<std::string> overrides;
-  std::string clock;     // "realtime", "lockstep"
+  std::string clock;  // "realtime", "lockstep"
   std::uint64_t session = 0;
-  std::string profile;  // of DDS: a file
-  std::string out;      // its folder
-  std::string started;  // local time
-  std::string ended;    // how the last one ended; empty while it runs
+  std::string profile;             // of DDS: a file
+  std::string out;                 // its folder
+  std::string started;             // local time
+  std::string ended;               // how the last one ended; empty while it runs
   std::vector<std::string> notes;  // what a person should know: restarts, a full disk
 };
 

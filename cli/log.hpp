@@ -95,8 +95,8 @@ class CsvVisitor {
   bool first_ = true;
 };
 
-/// The log of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until it is
-/// whole. Values with nine digits, time in ns.
+/// The log of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until it
+/// is whole. Values with nine digits, time in ns.
 template <typename T>
 class TopicLog {
  public:

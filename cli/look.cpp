@@ -136,8 +136,8 @@ int follow(const Seat& seat, double timeout_s, Action&& action) {
     if (go_on && timeout_s > 0.0 && steady_clock::now() - heard > patience) {
       const int writers = reader.matched_writers();
       fmt::print(stderr, "c3rt: error: {} {} on domain {} for {:g} s (--timeout 0 waits on)\n",
-                 writers == 0 ? "nobody has written" : fmt::format("{} writers, but no sample of",
-                                                                    writers),
+                 writers == 0 ? "nobody has written"
+                              : fmt::format("{} writers, but no sample of", writers),
                  wire::topic<T>().name, seat.domain, timeout_s);
       return kCriterionFailed;
     }
@@ -190,9 +190,10 @@ int print_topics(const Seat& seat, bool peers) {
   std::vector<Row> rows;
   for_each_topic([&](const auto& sample) {
     using T = std::decay_t<decltype(sample)>;
-    rows.push_back({&wire::topic<T>(), {new wire::Reader<T>(bus, 256), [](wire::ReaderBase* reader) {
-                                          delete static_cast<wire::Reader<T>*>(reader);
-                                        }}});
+    rows.push_back(
+        {&wire::topic<T>(), {new wire::Reader<T>(bus, 256), [](wire::ReaderBase* reader) {
+                               delete static_cast<wire::Reader<T>*>(reader);
+                             }}});
   });
   const auto pump_for = [&bus](std::chrono::milliseconds time) {
     const auto end = steady_clock::now() + time;
@@ -260,14 +261,15 @@ int measure_rate(const Seat& seat, const LookSettings& settings) {
     std::map<std::uint64_t, std::string> writers;
     int reports = 0;
     auto next = steady_clock::now() + std::chrono::seconds(1);
-    status = follow<T>(
-        seat, settings.timeout_s, [&](const T* sample, const wire::ReaderBase& reader) {
+    status =
+        follow<T>(seat, settings.timeout_s, [&](const T* sample, const wire::ReaderBase& reader) {
           if (sample != nullptr) {
             const std::uint64_t writer = reader.taken_from();
             if (writers.count(writer) == 0) writers[writer] = reader.name_of_writer(writer);
             Flow& flow = flows[{key_of(*sample), writer}];
             if (flow.last_ns != 0)
-              flow.gaps.push_back(static_cast<double>(sample->header.time_ns - flow.last_ns) * 1e-9);
+              flow.gaps.push_back(static_cast<double>(sample->header.time_ns - flow.last_ns) *
+                                  1e-9);
             flow.last_ns = sample->header.time_ns;
           }
           if (steady_clock::now() < next) return true;

@@ -27,9 +27,9 @@
 #include "cli/scenario.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
+#include "controller/task/circle.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
-#include "controller/task/circle.hpp"
 
 namespace {
 
@@ -38,7 +38,8 @@ using namespace c3rt;
 constexpr double kDegree = M_PI / 180.0;  // [rad]
 
 constexpr const char* kExitStatus =
-    "Exit status: 0 done and criteria met, 1 ran but a criterion failed or was refused, 2 usage or\n"
+    "Exit status: 0 done and criteria met, 1 ran but a criterion failed or was refused, 2 usage "
+    "or\n"
     "configuration error, 3 a process or the machine failed.";
 
 /// The longest that a person may want something to take: a day [s]
@@ -180,8 +181,10 @@ class CommandLine {
     parent.require_subcommand(1);
     CLI::App* push =
         fault(parent, "push-ball", "Pushes a ball", c3rt_v1_FAULT_PUSH_BALL, c3rt_v1_PROCESS_PLANT);
-    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")->expected(3)->required()->check(
-        cli::number(-kFarthest, kFarthest));
+    push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")
+        ->expected(3)
+        ->required()
+        ->check(cli::number(-kFarthest, kFarthest));
     push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v1_MAX_BALLS - 1));
     fault(parent, "drop-commands", "The plant ignores commands", c3rt_v1_FAULT_DROP_COMMANDS,
           c3rt_v1_PROCESS_PLANT);
@@ -209,8 +212,7 @@ class CommandLine {
     CLI::App& parent = *group(app_, "target", "Gives the planner another task");
     parent.require_subcommand(1);
     CLI::App* circle = target(parent, "circle", "A circle on the table", [this] {
-      return task::Circle{
-          {position_m_[0], position_m_[1]}, radius_m_, lead_deg_ * kDegree};
+      return task::Circle{{position_m_[0], position_m_[1]}, radius_m_, lead_deg_ * kDegree};
     });
     circle->add_option("--center", position_m_, "x and y [m]")
         ->expected(2)
@@ -225,7 +227,9 @@ class CommandLine {
         ->check(cli::number(-kFarthest, kFarthest))
         ->capture_default_str();
     target(parent, "point", "The ball is brought there and kept there",
-           [this] { return planner::PointTarget{{position_m_[0], position_m_[1]}}; })
+           [this] {
+             return planner::PointTarget{{position_m_[0], position_m_[1]}};
+           })
         ->add_option("position", position_m_, "x and y [m]")
         ->expected(2)
         ->check(cli::number(-kFarthest, kFarthest))
@@ -344,8 +348,8 @@ class CommandLine {
   cli::BenchSettings bench_;
 };
 
-/// The first files that are opened must not become standard streams that the caller has closed. These
-/// stay unusable, so that what is written to them is missed.
+/// The first files that are opened must not become standard streams that the caller has closed.
+/// These stay unusable, so that what is written to them is missed.
 void hold_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0) continue;

@@ -149,7 +149,7 @@ void write_text(const fs::path& file, const std::string& text) {
   std::error_code no_link;
   for (int links = 0; links < 40 && fs::is_symlink(target, no_link); ++links)
     target = target.parent_path() / fs::read_symlink(target, no_link);
-  struct stat existing{};
+  struct stat existing {};
   const bool exists = stat(target.c_str(), &existing) == 0;
   if (exists && access(target.c_str(), W_OK) != 0) fail(errno);
   const bool in_place = exists && !S_ISREG(existing.st_mode);

@@ -49,8 +49,8 @@ bool is_full(const std::filesystem::path& folder);
 /// A file's bytes, "" if there is none.
 std::string read_text(const std::filesystem::path& file);
 
-/// Whole or not at all: what was there stays until the new file is complete. What is no file (a pipe, a
-/// device) is written as it is. @throws std::runtime_error saying why it cannot be written
+/// Whole or not at all: what was there stays until the new file is complete. What is no file (a
+/// pipe, a device) is written as it is. @throws std::runtime_error saying why it cannot be written
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 /// The last `lines` lines of a file, "" if there is none.

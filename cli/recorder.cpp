@@ -257,7 +257,8 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   live_.loops = topics.course.progress().completed();
   live_.steps = topics.seq_last;
   live_.robot_stopped = gave_up;
-  return gave_up || topics.course.progress().completed() >= goal_.loops || live_.time >= goal_.duration;
+  return gave_up || topics.course.progress().completed() >= goal_.loops ||
+         live_.time >= goal_.duration;
 }
 
 }  // namespace c3rt::cli

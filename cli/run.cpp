@@ -104,8 +104,8 @@ int run(const LaunchSettings& settings) {
   std::fflush(stdout);
 
   // of a task that is done once every ball counts
-  const int course_goal = task.repeats() ? scenario.task.loops
-                                         : static_cast<int>(scenario.plant.world.balls.size());
+  const int course_goal =
+      task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.balls.size());
   launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),

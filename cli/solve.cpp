@@ -1,7 +1,7 @@
 #include "cli/solve.hpp"
 
-#include <chrono>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -79,8 +79,8 @@ void require_place(const std::string& out, const std::string& problem) {
 void write(const std::string& text, const std::string& out) {
   if (!is_standard_output(out)) return write_text(out, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    throw std::runtime_error(fmt::format("cannot write the result to standard output: {}",
-                                         std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("cannot write the result to standard output: {}", std::strerror(errno)));
   }
 }
 

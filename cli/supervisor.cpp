@@ -47,8 +47,9 @@ Supervisor::~Supervisor() { stop(); }
 void Supervisor::start(const ChildSpec& spec) {
   std::error_code error;
   std::filesystem::create_directories(spec.log.parent_path(), error);
-  const int log = open(spec.log.c_str(),
-                       O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (spec.again ? 0 : O_TRUNC), 0644);
+  const int log =
+      open(spec.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (spec.again ? 0 : O_TRUNC),
+           0644);
   if (log < 0)
     throw std::runtime_error(spec.name + ": cannot write " + spec.log.string() + ": " +
                              std::strerror(errno));

@@ -59,19 +59,19 @@ std::string service_table(
       text += fmt::format("  {:<10} {:<9}\n", wire::process_name(process), "silent");
       continue;
     }
-    text +=
-        fmt::format("  {:<10} {:<9} {:>8} {:>9.1f} {:>13.3f} {:>13.3f} {:>7}  {}\n",
-                    wire::process_name(process), name_of(status->state), status->pid,
-                    status->rate_hz, status->wakeup_latency.p99_s * 1e3,
-                    status->compute.p99_s * 1e3, counter(*status, "missed_cycles"),
-                    config::printable(status->text, sizeof status->text));
+    text += fmt::format("  {:<10} {:<9} {:>8} {:>9.1f} {:>13.3f} {:>13.3f} {:>7}  {}\n",
+                        wire::process_name(process), name_of(status->state), status->pid,
+                        status->rate_hz, status->wakeup_latency.p99_s * 1e3,
+                        status->compute.p99_s * 1e3, counter(*status, "missed_cycles"),
+                        config::printable(status->text, sizeof status->text));
   }
   for (const auto& status : services) {
     for (int i = 0; status && i < wire::refused_kinds(*status); ++i) {
       const wire::RefusedSamples& refused = status->refused[i];
-      text += fmt::format("  {} refused {} samples of {} ({}), the newest: {}\n",
-                          wire::process_name(status->process), refused.count, refused.topic,
-                          config::printable(refused.reason), config::printable(refused.latest, 300));
+      text +=
+          fmt::format("  {} refused {} samples of {} ({}), the newest: {}\n",
+                      wire::process_name(status->process), refused.count, refused.topic,
+                      config::printable(refused.reason), config::printable(refused.latest, 300));
     }
   }
   return text;

@@ -35,8 +35,8 @@ class JsonReader {
   Eigen::VectorXd vector(const char* key, Eigen::Index size);
   Eigen::VectorXd vector(const std::string& key, const nlohmann::json& value,
                          Eigen::Index size) const;
-  /// A list of rows. Without rows or columns it is [], or as many empty rows as it has. With kAnyRows
-  /// as many as there are.
+  /// A list of rows. Without rows or columns it is [], or as many empty rows as it has. With
+  /// kAnyRows as many as there are.
   static constexpr Eigen::Index kAnyRows = -1;
   Eigen::MatrixXd matrix(const char* key, Eigen::Index rows, Eigen::Index cols);
   Eigen::MatrixXd matrix(const std::string& key, const nlohmann::json& value, Eigen::Index rows,
@@ -48,8 +48,8 @@ class JsonReader {
   Eigen::VectorXd bound(const std::string& key, const nlohmann::json& value, Eigen::Index size,
                         double none) const;
   /// Bounds of a stage, or of each: lists of them for k = 0 … N−1, of sizes[k] numbers. With
-  /// `of_state` also for k = 1 … N−1 (N−1 lists), or with the last state's (N+1 lists, the last into
-  /// `last`).
+  /// `of_state` also for k = 1 … N−1 (N−1 lists), or with the last state's (N+1 lists, the last
+  /// into `last`).
   c3::PerStage<Eigen::VectorXd> bounds(const char* key, const std::vector<Eigen::Index>& sizes,
                                        double none, bool of_state = false,
                                        Eigen::VectorXd* last = nullptr);

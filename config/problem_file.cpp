@@ -37,8 +37,8 @@ Eigen::Index cols_of(const Json& json, const char* key) {
              : 0;
 }
 
-/// A, F and B say the sizes, the other blocks have to agree. Where F or B is empty, the other blocks
-/// of its size say whether there are really no contacts or no inputs.
+/// A, F and B say the sizes, the other blocks have to agree. Where F or B is empty, the other
+/// blocks of its size say whether there are really no contacts or no inputs.
 lcs::Lcs read_lcs(const Json& json, const std::string& name, const std::string& path) {
   JsonReader reader(json, name, path);
   const auto first_of = [](std::initializer_list<Eigen::Index> claims) {
@@ -49,8 +49,8 @@ lcs::Lcs read_lcs(const Json& json, const std::string& name, const std::string& 
   if (reader.at("A").empty()) {
     throw ConfigError(reader.place("A") + ": expected a matrix, got an empty one");
   }
-  const Eigen::Index n_lambda = first_of(
-      {rows_of(json, "F"), rows_of(json, "E"), rows_of(json, "c"), cols_of(json, "D")});
+  const Eigen::Index n_lambda =
+      first_of({rows_of(json, "F"), rows_of(json, "E"), rows_of(json, "c"), cols_of(json, "D")});
   const Eigen::Index n_u = first_of({cols_of(json, "B"), cols_of(json, "H")});
   lcs::Lcs lcs;
   lcs.A = reader.matrix("A", n_x, n_x);

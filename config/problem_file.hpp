@@ -45,7 +45,7 @@ struct ProblemResult {
   double complementarity_violation;
   int iterations;
   double solve_time_s;
-  std::string note;  // why an answer is truncated, for a person
+  std::string note;                     // why an answer is truncated, for a person
   std::optional<c3::QpReport> qp = {};  // of the last QP of Algorithm 1, of a failed one too
   // of MIQP15 with an answer: no plan costs less than the bound, and what that is of the objective
   std::optional<double> lower_bound = {}, gap = {};

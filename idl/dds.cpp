@@ -78,8 +78,9 @@ class Domain {
         if (reason.empty()) reason = dds_strretcode(shared.handle);
         domains().erase(id_);
         if (reason.find("participant index") != std::string::npos) {
-          reason = "as many programs use the domain as the profile allows (MaxAutoParticipantIndex; "
-                   "119 with the profile loopback): end some, or use another domain";
+          reason =
+              "as many programs use the domain as the profile allows (MaxAutoParticipantIndex; "
+              "119 with the profile loopback): end some, or use another domain";
         }
         throw ProfileError("DDS profile " + profile + ", domain " + std::to_string(id_) + ": " +
                            reason);

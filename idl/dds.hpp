@@ -23,7 +23,8 @@ class WireError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The DDS profile is wrong, or has no room for another participant: a mistake in the configuration.
+/// The DDS profile is wrong, or has no room for another participant: a mistake in the
+/// configuration.
 class ProfileError : public WireError {
  public:
   using WireError::WireError;
@@ -191,8 +192,8 @@ class ReaderBase {
   std::uint64_t newest_seq() const noexcept { return newest_seq_; }
   std::uint64_t taken_from() const noexcept;  // writer of the sample that was taken last; 0: none
   std::string name_of_writer(std::uint64_t writer) const;  // "c3rt-plant (pid 12)"
-  int matched_writers() const;  // known, also when they have just died
-  int alive_writers() const;    // matched and not silent for longer than their liveliness lease
+  int matched_writers() const;                             // known, also when they have just died
+  int alive_writers() const;  // matched and not silent for longer than their liveliness lease
   std::uint64_t missed_deadlines()
       const;  // realtime topics with a deadline: periods without a sample
   /// Wakes::kItself only: blocks until there is a new sample, interrupt() was called, or the time

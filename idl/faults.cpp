@@ -77,11 +77,10 @@ const char* fault_name(c3rt_v1_FaultKind kind) {
 
 std::string refusal(const FaultInject& fault, const FaultScope& scope) {
   if (!has(fault.process, fault.kind)) {
-    const char* known = fault.process == c3rt_v1_PROCESS_PLANT
-                            ? "none, push-ball, drop-commands, stall or nan"
-                        : fault.process == c3rt_v1_PROCESS_VISION
-                            ? "none, freeze-camera, lose-ball, stall or nan"
-                            : "none, stall or nan";
+    const char* known =
+        fault.process == c3rt_v1_PROCESS_PLANT    ? "none, push-ball, drop-commands, stall or nan"
+        : fault.process == c3rt_v1_PROCESS_VISION ? "none, freeze-camera, lose-ball, stall or nan"
+                                                  : "none, stall or nan";
     return text("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
                 fault_name(fault.kind), static_cast<int>(fault.kind));
   }
@@ -93,10 +92,10 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope) {
   if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA) {
     if (scope.cameras == 0) return "expected a scenario with cameras, as this one emulates them";
     if (fault.index < 0 || (scope.cameras > 0 && fault.index >= scope.cameras)) {
-      return scope.cameras > 0 ? text("expected a camera from 0 to %d, got %d", scope.cameras - 1,
-                                      static_cast<int>(fault.index))
-                               : text("expected a camera from 0 on, got %d",
-                                      static_cast<int>(fault.index));
+      return scope.cameras > 0
+                 ? text("expected a camera from 0 to %d, got %d", scope.cameras - 1,
+                        static_cast<int>(fault.index))
+                 : text("expected a camera from 0 on, got %d", static_cast<int>(fault.index));
     }
   }
   return {};

@@ -17,7 +17,7 @@ constexpr std::int64_t kSlice_ns = 50'000'000;
 constexpr std::int64_t kJoinAgain_ns = 200'000'000;
 constexpr int kNoTickFactor = 6;
 constexpr int kTickDepth = 64;
-constexpr int kArrivalPeriods = 2;  // without an arrival until the timer goes on
+constexpr int kArrivalPeriods = 2;     // without an arrival until the timer goes on
 constexpr std::int64_t kJoining = -1;  // time of a Done that answers no tick
 
 void merge(Sequences& newest, const Sequences& other) {
@@ -59,8 +59,7 @@ struct Loop::Implementation {
       const std::int64_t late_ns = woke_ns - guard_ns;
       guard_ns = woke_ns + (arrived ? kArrivalPeriods : 1) * settings.period_ns;
       earliest_ns = woke_ns + settings.period_ns / 2;
-      return {due_ns, woke_ns, woke_ns - due_ns,
-              late_ns > 0 ? late_ns / settings.period_ns : 0};
+      return {due_ns, woke_ns, woke_ns - due_ns, late_ns > 0 ? late_ns / settings.period_ns : 0};
     }
     const std::int64_t woke_ns = rt::now_ns();
     return {woke_ns, woke_ns, 0, 0};

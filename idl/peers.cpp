@@ -83,7 +83,8 @@ std::vector<PeerEndpoint> peer_endpoints(const Bus& bus) {
     int pid = 0;
   };
   const Entity publications = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
-               subscriptions = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION),
+               subscriptions =
+                   builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION),
                participants = builtin_reader(bus.participant(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);
   dds_guid_t own{};
   dds_get_guid(bus.participant(), &own);

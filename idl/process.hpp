@@ -56,8 +56,8 @@ class Loop {
     std::int64_t gone_timeout_ns =
         10'000'000'000;  // lockstep: the plant has died, or no tick for six times this
     rt::Statistics* wakeup_latency = nullptr;  // realtime: also added here (the StatusReporter's)
-    /// Realtime: a cycle answers this, at once. Where it is not raised for two periods, a timer goes
-    /// on with one cycle per period. nullptr: the timer alone.
+    /// Realtime: a cycle answers this, at once. Where it is not raised for two periods, a timer
+    /// goes on with one cycle per period. nullptr: the timer alone.
     Signal* arrival = nullptr;
   };
   Loop(Bus& bus, const Settings& settings);

@@ -14,10 +14,10 @@
 
 namespace c3rt::plant {
 
-constexpr double kCycle = 1e-3;            // [s]
-constexpr int kLostCommandsMax = 20;       // in a row, then the robot stops
-constexpr int kCommandsToRecover = 200;    // two of three have come, then it moves again by itself
-constexpr int kSuccessWindow = 100;        // cycles of command_success_rate
+constexpr double kCycle = 1e-3;          // [s]
+constexpr int kLostCommandsMax = 20;     // in a row, then the robot stops
+constexpr int kCommandsToRecover = 200;  // two of three have come, then it moves again by itself
+constexpr int kSuccessWindow = 100;      // cycles of command_success_rate
 
 /// Whether whole steps of the integration fill a cycle.
 bool divides_cycle(double step) noexcept;

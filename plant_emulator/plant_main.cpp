@@ -41,7 +41,7 @@ constexpr std::int64_t kCyclesToObey = 2;                // of a request
 constexpr std::int64_t kSteadyCycles = 400;
 constexpr std::int64_t kAnswerWithinCycles = 3000;
 constexpr double kStanding = 0.02;  // [rad/s]
-constexpr int kStepPriority = 70;  // below the impedance process, for whose answer the robot waits
+constexpr int kStepPriority = 70;   // below the impedance process, for whose answer the robot waits
 
 /// Due instants of a period on the session's clock: true once for each that has passed.
 class Schedule {
@@ -261,8 +261,8 @@ class ClientDesk {
     const Mode mode = cycle_.mode();
     const bool moves = mode == Mode::kMove && cycle_.moving_cycles() >= kSteadyCycles;
     // a reflex that ends by itself is no answer yet
-    const bool stopped_again = (mode == Mode::kReflex && !cycle_.waits_for_commands()) ||
-                               mode == Mode::kUserStopped;
+    const bool stopped_again =
+        (mode == Mode::kReflex && !cycle_.waits_for_commands()) || mode == Mode::kUserStopped;
     if (!moves && !stopped_again && passed < kAnswerWithinCycles) return false;
     replies_.answer(pending.id, moves,
                     mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"

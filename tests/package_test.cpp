@@ -37,9 +37,9 @@ double golden_u_0(const std::string& id) {
 
 /// Builds a target of the consumer's project.
 c3rt::support::Outcome build(const std::string& target) {
-  return c3rt::support::outcome_of(std::string("'") + C3RT_CMAKE + "' --build " +
-                                   quoted(fs::path(C3RT_BINARY_DIRECTORY) / "package_test/consumer") +
-                                   " --target " + target);
+  return c3rt::support::outcome_of(
+      std::string("'") + C3RT_CMAKE + "' --build " +
+      quoted(fs::path(C3RT_BINARY_DIRECTORY) / "package_test/consumer") + " --target " + target);
 }
 
 std::vector<std::string> words(const std::string& list) {
@@ -97,7 +97,8 @@ TEST_CASE("package: programs with any flags build, run and print the same bits")
   CHECK(std::stod(plain) ==
         Approx(golden_u_0("cartpole_02_paper_G_I_MIQP")).epsilon(1e-5).margin(0.0));
 
-  // no name of Eigen's, of the standard library's or of OSQP's is left to be merged with the caller's
+  // no name of Eigen's, of the standard library's or of OSQP's is left to be merged with the
+  // caller's
   for (const char* room : {"lcs", "c3", "horizon", "model", "example"}) {
     const std::string archive = std::string("libc3rt_") + room + ".a";
     fs::path found;

@@ -214,7 +214,7 @@ class Service {
   void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
     const std::string refused = wire::refusal(fault, scope_);
     replies_.answer(fault.request_id, refused.empty(),
-           refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
+                    refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
     if (!refused.empty()) {
       spdlog::warn("fault refused: {}", refused);
       return;

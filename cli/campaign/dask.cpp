@@ -24,7 +24,7 @@ using nlohmann::json;
 
 constexpr auto kLook = std::chrono::milliseconds(200);
 constexpr double kAnswer = 60.0;  // of a helper program, on a cold disk [s]
-constexpr double kGrace = 30.0;  // the runs on the workers end first [s]
+constexpr double kGrace = 30.0;   // the runs on the workers end first [s]
 constexpr const char* kPrograms[] = {"c3rt", "c3rt-plant", "c3rt-impedance", "c3rt-planner",
                                      "c3rt-vision"};
 

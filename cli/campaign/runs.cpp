@@ -157,7 +157,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
     plan.result.spec.example = example;
     plan.result.folder = fs::absolute(settings.folder) / spec.name;
     plan.key = {{"scenario", whole->second}, {"overrides", overrides},    {"seed", spec.seed},
-                {"logs", spec.logs},        {"pictures", spec.pictures}, {"programs", program}};
+                {"logs", spec.logs},         {"pictures", spec.pictures}, {"programs", program}};
     plan.job = {spec.name, words(spec, file, example), plan.result.folder};
     plans.push_back(plan);
   }

@@ -33,8 +33,8 @@ std::vector<Row> judged_rows(const Series& series, const task::Task& task, doubl
 
 }  // namespace
 
-ExcursionFigures excursion_figures(const Series& series, const task::Task& task,
-                                   double judged_from, const std::vector<plant::Push>& pushes) {
+ExcursionFigures excursion_figures(const Series& series, const task::Task& task, double judged_from,
+                                   const std::vector<plant::Push>& pushes) {
   ExcursionFigures figures;
   const std::vector<Row> rows = judged_rows(series, task, judged_from);
   if (rows.empty()) return figures;

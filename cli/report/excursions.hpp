@@ -36,7 +36,7 @@ struct ExcursionFigures {
 
 /// From `judged_from` seconds after the task began; nothing where that is not a number.
 /// @param pushes in order of time, which counts from the first row of the scene
-ExcursionFigures excursion_figures(const Series& series, const task::Task& task,
-                                   double judged_from, const std::vector<plant::Push>& pushes);
+ExcursionFigures excursion_figures(const Series& series, const task::Task& task, double judged_from,
+                                   const std::vector<plant::Push>& pushes);
 
 }  // namespace c3rt::cli

@@ -60,8 +60,8 @@ std::string terminal(int width, int height) {
 std::string draw(const std::filesystem::path& file, const std::string& script) {
   if (!unusable().empty()) return unusable();
   const std::filesystem::path part = file.string() + ".part";
-  const ProgramEnd end = run_program(
-      {"gnuplot"}, "set output " + quoted(part.string()) + "\n" + script, kPatience);
+  const ProgramEnd end =
+      run_program({"gnuplot"}, "set output " + quoted(part.string()) + "\n" + script, kPatience);
   std::error_code error;
   std::string reason;
   if (!end.ok()) {
@@ -81,8 +81,7 @@ std::string draw(const std::filesystem::path& file, const std::string& script) {
 }
 
 std::string missing(const std::string& pictures, const std::string& reason) {
-  return reason.empty() ? ""
-                        : "no " + pictures + ": gnuplot (package gnuplot-nox) " + reason;
+  return reason.empty() ? "" : "no " + pictures + ": gnuplot (package gnuplot-nox) " + reason;
 }
 
 }  // namespace c3rt::cli::gnuplot

@@ -29,8 +29,7 @@ BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
     const SceneRow& row = series.scene[i];
     const double elapsed = seconds(row.time_ns - start_ns);
     if (!(elapsed >= judged_from) || ball >= row.ball_count) continue;
-    const double error =
-        task.error(elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
+    const double error = task.error(elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
     const double duration = seconds(series.scene[i + 1].time_ns - row.time_ns);
     rows.push_back({error, duration});
     total += duration;
@@ -58,8 +57,8 @@ BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
 }
 
 /// When and where one ball arrived, and where it ended up.
-void add_arrival(const Series& series, const task::Task& task, int ball,
-                 std::int64_t start_ns, BallFigures& figures) {
+void add_arrival(const Series& series, const task::Task& task, int ball, std::int64_t start_ns,
+                 BallFigures& figures) {
   for (const SceneRow& row : series.scene) {
     if (row.time_ns < start_ns || ball >= row.ball_count) continue;
     const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(ball)].head<2>();

@@ -62,9 +62,9 @@ struct Figures {
   int loops_completed = 0;    // circles, rounds of a path; 1 when all balls are at a line's end
   double turns = 0.0;         // task::Progress::amount()
   std::string unit;           // of turns: circles, rounds, balls
-  std::vector<double> loop_times;   // [s]
-  std::vector<BallFigures> balls;   // from the start of the task
-  BallFigures judged;               // what criteria look at: the worst ball's, when it has settled
+  std::vector<double> loop_times;  // [s]
+  std::vector<BallFigures> balls;  // from the start of the task
+  BallFigures judged;              // what criteria look at: the worst ball's, when it has settled
   // judged by other readings of the task, by their names
   std::vector<std::pair<std::string, BallFigures>> readings;
   ExcursionFigures out_of_band;
@@ -88,8 +88,9 @@ struct Figures {
   std::vector<CriterionResult> criteria;
 };
 
-/// Everything at once. The criteria look at the time from task::Progress::judged_from() on: a ball that
-/// never got a quarter round its circle meets no band, so that a parked end effector cannot pass.
+/// Everything at once. The criteria look at the time from task::Progress::judged_from() on: a ball
+/// that never got a quarter round its circle meets no band, so that a parked end effector cannot
+/// pass.
 /// @param pushes that the scenario's hand gave, in order of time
 Figures evaluate(const Series& series, const task::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes = {});

@@ -101,8 +101,8 @@ std::string draw_panels(const std::filesystem::path& file, const std::string& ti
                         const std::vector<Panel>& panels) {
   const int count = static_cast<int>(panels.size());
   const int margin = key_width(panels) + 6;
-  std::string script = gnuplot::terminal(kPlotWidth + margin * kLetterWidth,
-                                         kTitleHeight + count * kPanelHeight);
+  std::string script =
+      gnuplot::terminal(kPlotWidth + margin * kLetterWidth, kTitleHeight + count * kPanelHeight);
   script += fmt::format(
       "set key at graph 1.02, graph 1 left top vertical Left reverse samplen 2 noenhanced\n"
       "set lmargin 10\nset rmargin {}\n",

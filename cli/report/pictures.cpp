@@ -64,8 +64,7 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
   return rows.empty() ? "NaN NaN\n" : rows;
 }
 
-std::string path_script(const Series& series,
-                        const task::Task& task, const Figures& figures,
+std::string path_script(const Series& series, const task::Task& task, const Figures& figures,
                         const std::string& title) {
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
   const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
@@ -96,8 +95,7 @@ std::string path_script(const Series& series,
   return script;
 }
 
-std::string error_script(const Series& series,
-                         const task::Task& task, const Figures& figures,
+std::string error_script(const Series& series, const task::Task& task, const Figures& figures,
                          const std::string& title) {
   std::string script = terminal(900, 420), plots;
   bool any = false;
@@ -117,8 +115,7 @@ std::string error_script(const Series& series,
          (any ? plots : "") + "\n";
 }
 
-std::string tracking_script(const Series& series,
-                            const std::string& title) {
+std::string tracking_script(const Series& series, const std::string& title) {
   const TrackingErrors tracking = tracking_errors(series);
   const std::string task = thinned(tracking.task.time, tracking.task.error);
   const std::string approach = thinned(tracking.approach.time, tracking.approach.error);
@@ -192,10 +189,9 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
   const std::vector<std::pair<std::string, std::string>> pictures{
       {"path.png", path_script(series, task, figures, title)},
       {"path_error.png", error_script(series, task, figures, title)},
-      {"end_effector_error.png",
-       tracking_script(series, title)},
-      {"solve_time.png", terminal(820, 420) +
-                             histogram_panel("solve", "C3 solve time, " + title, solve_times)},
+      {"end_effector_error.png", tracking_script(series, title)},
+      {"solve_time.png",
+       terminal(820, 420) + histogram_panel("solve", "C3 solve time, " + title, solve_times)},
       {"latency.png", latency_script}};
   std::string missing, reason;
   for (const auto& [name, script] : pictures) {

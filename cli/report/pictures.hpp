@@ -11,7 +11,6 @@ namespace c3rt::cli {
 /// latency.png.
 /// @return what is missing and why; empty if all are there
 std::string draw_pictures(const std::filesystem::path& directory, const Series& series,
-                          const task::Task& task, const Figures& figures,
-                          const std::string& title);
+                          const task::Task& task, const Figures& figures, const std::string& title);
 
 }  // namespace c3rt::cli

@@ -15,7 +15,6 @@
 namespace c3rt::cli::reproduce {
 namespace {
 
-
 constexpr double kNs = 1e-9;
 
 /// The problem that the judge's planner would solve: its LCS, with scaled forces, and its costs.
@@ -34,8 +33,7 @@ Posed pose(const Question& question, const planner::Parameters& parameters) {
   posed.lcs = model::to_lcs(problem.contact_model,
                             model->contact_system(question.scene, problem.contacts), parameters.dt);
   lcs::scale_forces(posed.lcs, lcs::force_scale(posed.lcs));
-  posed.costs =
-      planner::costs_of(problem, question.rolling ? parameters.roll : parameters.back);
+  posed.costs = planner::costs_of(problem, question.rolling ? parameters.roll : parameters.back);
   const c3::Sizes sizes{static_cast<int>(posed.lcs.A.rows()), static_cast<int>(posed.lcs.F.rows()),
                         static_cast<int>(posed.lcs.B.cols()), parameters.N};
   posed.problem.sizes = sizes;
@@ -121,9 +119,8 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     };
     scene::Scene desired;
     desired.body_count = 1;
-    desired.effector.p_WE =
-        planner::end_effector_target(parameters.heuristic, parameters.geometry, phase,
-                                     effector.p_WE, ball.p_WB, target(0.0));
+    desired.effector.p_WE = planner::end_effector_target(
+        parameters.heuristic, parameters.geometry, phase, effector.p_WE, ball.p_WB, target(0.0));
     for (int k = 0; k <= parameters.N; ++k) {
       desired.body(0).p_WB << target(k * parameters.dt), ball_height;
       question.desired.push_back(desired);

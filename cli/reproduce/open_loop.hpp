@@ -13,7 +13,7 @@ namespace c3rt::cli::reproduce {
 struct Question {
   double time;  // since C3 took over [s]
   scene::Scene scene;
-  bool rolling;                         // Phase I of the heuristic
+  bool rolling;                       // Phase I of the heuristic
   std::vector<scene::Scene> desired;  // of the stages 0 … N
 };
 

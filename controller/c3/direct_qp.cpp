@@ -16,7 +16,8 @@ using Eigen::VectorXd;
 constexpr int kMaxRefinements = 4;
 constexpr double kConverged = 1e-13;  // estimated error beside the largest entry of its kind
 constexpr double kAcceptable = 1e-6;  // gradient beside its largest term; worse: not solved
-constexpr double kSettled = 1e-7;     // what the next refinement would change of its kind; more: not solved
+constexpr double kSettled =
+    1e-7;  // what the next refinement would change of its kind; more: not solved
 constexpr double kConsistent = 1e-9;  // the same for what the states miss the dynamics by
 
 /// One Newton step is the solution; the same step again refines it.

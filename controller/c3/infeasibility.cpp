@@ -14,7 +14,7 @@ constexpr double kStiffness = 1e7;  // of violated rows, beside that of the prob
 constexpr double kDescent = 1e-4;   // least share of the descent that the slope promises [Armijo]
 constexpr double kFlat = 1e-13;     // of the sum of squares: what it may rise by where it is flat
 constexpr int kMaxSteps = 60;
-constexpr int kMaxHalvings = 20;    // of one step
+constexpr int kMaxHalvings = 20;  // of one step
 
 /// Σ (violation)²/compliance.
 double squares(const QpModel& model, const VectorXd& compliance) noexcept {

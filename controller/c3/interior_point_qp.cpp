@@ -211,7 +211,8 @@ QpStatus InteriorPointQp::iterate() noexcept {
       model_.differentiate(multiplier_);
       if (++next_gap == std::size(kGaps)) return QpStatus::kSolved;
     }
-    if (off > 1e-8 * violation_ && Infeasibility::is_proven(model_, multiplier_)) return QpStatus::kInfeasible;
+    if (off > 1e-8 * violation_ && Infeasibility::is_proven(model_, multiplier_))
+      return QpStatus::kInfeasible;
     ++iterations_;
     if (!newton_step()) return QpStatus::kNotFactorable;
   }

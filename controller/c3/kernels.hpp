@@ -45,8 +45,8 @@ void subtract_transposed(int rows, int cols, const double* X, const double* y, d
 /// y −= X c, X (rows × cols), y padded.
 void subtract_columns(int rows, int cols, const double* X, const double* c, double* y) noexcept;
 
-/// The largest |X_ij|, X (rows × cols) with columns `stride` apart, nothing padded; NaN if one is not
-/// finite.
+/// The largest |X_ij|, X (rows × cols) with columns `stride` apart, nothing padded; NaN if one is
+/// not finite.
 double largest(int rows, int cols, const double* X, int stride) noexcept;
 inline double largest(int n, const double* v) noexcept { return largest(n, 1, v, n); }
 

@@ -16,15 +16,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFeasible = 1e-11;      // of the largest normalised |s| at v
-constexpr double kComplementary = 1e-10; // the same, for the smaller side of a pair
-constexpr double kRounding = 1e-14;      // the same, for that side after the last polish
-constexpr double kSameObjective = 1e-12; // a bound this close to the best cannot improve it
+constexpr double kFeasible = 1e-11;       // of the largest normalised |s| at v
+constexpr double kComplementary = 1e-10;  // the same, for the smaller side of a pair
+constexpr double kRounding = 1e-14;       // the same, for that side after the last polish
+constexpr double kSameObjective = 1e-12;  // a bound this close to the best cannot improve it
 
 /// Branch and bound, depth first. All that counts are the 2 n_lambda functionals of δ that the LCP
-/// is made of, [λ; y] = J δ + [0; c]. With U = L Lᵀ and δ = v + L⁻ᵀ f the QP of a node is a NodeQp on
-/// the columns of L⁻¹ Jᵀ, which are computed once per system. Each is divided by its length, so that
-/// s² / 2 is the least that bringing that functional to zero alone costs, whatever its unit.
+/// is made of, [λ; y] = J δ + [0; c]. With U = L Lᵀ and δ = v + L⁻ᵀ f the QP of a node is a NodeQp
+/// on the columns of L⁻¹ Jᵀ, which are computed once per system. Each is divided by its length, so
+/// that s² / 2 is the least that bringing that functional to zero alone costs, whatever its unit.
 class MiqpProjection final : public Projection {
  public:
   MiqpProjection(const Sizes& sizes, int max_nodes)
@@ -159,8 +159,8 @@ class MiqpProjection final : public Projection {
   int n_;  // pairs
   bool diagonal_ = false;
   MatrixXd U_;
-  MatrixXd L_inverse_;    // of U = L Lᵀ
-  PairRows rows_;  // with T = L⁻ᵀ
+  MatrixXd L_inverse_;  // of U = L Lᵀ
+  PairRows rows_;       // with T = L⁻ᵀ
   double magnitude_ = 0.0;
   std::vector<NodeQp> nodes_;
   NodeQp best_;

@@ -167,7 +167,8 @@ Eigen::VectorXd NodeQp::against(Eigen::VectorXd s) const {
 
 NodeQp::Contradiction NodeQp::contradiction() const {
   const double s = s_[contradicted_];
-  return {contradicted_, s < 0.0 ? 1.0 : -1.0,     std::abs(s), 1.0 + r_.head(n_active_).lpNorm<1>(),
+  return {contradicted_,      s < 0.0 ? 1.0 : -1.0,
+          std::abs(s),        1.0 + r_.head(n_active_).lpNorm<1>(),
           r_.head(n_active_), z_};
 }
 

@@ -38,8 +38,8 @@ class NodeQp {
   /// them has accumulated. RT: no heap, no lock, no throw.
   void refine(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept;
 
-  /// Goes on with another t: the active constraints stay at zero, those that would have to be pushed
-  /// below it leave. `solve` may follow. RT: no heap, no lock, no throw.
+  /// Goes on with another t: the active constraints stay at zero, those that would have to be
+  /// pushed below it leave. `solve` may follow. RT: no heap, no lock, no throw.
   void restart(const Eigen::MatrixXd& C, const Eigen::VectorXd& t) noexcept;
 
   /// Copies what `solve` needs, nothing more.
@@ -59,8 +59,8 @@ class NodeQp {
   Eigen::VectorXd against(Eigen::VectorXd s) const;
 
   /// After kInfeasible: the constraint that cannot be met, with `sign`, and the active ones with
-  /// −sign `coefficients` add up to what is at least zero wherever these hold, is −violation at f, and
-  /// hardly changes with f.
+  /// −sign `coefficients` add up to what is at least zero wherever these hold, is −violation at f,
+  /// and hardly changes with f.
   struct Contradiction {
     int constraint;
     double sign;

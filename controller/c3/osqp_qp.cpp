@@ -51,10 +51,10 @@ double bound_at(const VectorXd& bound, int i, double none) {
   return bound.size() == 0 ? none : bound[i];
 }
 
-/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded. What OSQP
-/// calls solved is checked; where that does not hold, where OSQP says that the constraints cannot be
-/// met (which of a problem with far-off numbers it says too easily) or comes to no end, the interior
-/// point decides.
+/// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded. What
+/// OSQP calls solved is checked; where that does not hold, where OSQP says that the constraints
+/// cannot be met (which of a problem with far-off numbers it says too easily) or comes to no end,
+/// the interior point decides.
 class OsqpQp final : public QpStep {
  public:
   OsqpQp(const Sizes& sizes, const OsqpSettings& settings)
@@ -207,8 +207,8 @@ class OsqpQp final : public QpStep {
     // a multiplier away from the bound that it belongs to
     for (Eigen::Index i = 0; i < row_values_.size(); ++i) {
       const double inside = y[i] > 0.0 ? upper_[i] - row_values_[i] : row_values_[i] - lower_[i];
-      report.dual_residual = larger(
-          report.dual_residual, std::min(std::abs(y[i]) / dual_terms, inside / primal_terms));
+      report.dual_residual = larger(report.dual_residual,
+                                    std::min(std::abs(y[i]) / dual_terms, inside / primal_terms));
     }
     const double tolerance = kMargin * osqp_.eps;
     if (report.primal_residual <= tolerance && report.dual_residual <= tolerance) {

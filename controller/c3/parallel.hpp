@@ -6,8 +6,9 @@ namespace c3rt::c3 {
 struct Parallel {
   using Task = void (*)(void* context, int index, int worker) noexcept;
 
-  /// Runs task(context, index, worker) once for every index < count and returns when all have ended.
-  /// Calls with the same worker (< workers) do not overlap. Null: the solver loops by itself.
+  /// Runs task(context, index, worker) once for every index < count and returns when all have
+  /// ended. Calls with the same worker (< workers) do not overlap. Null: the solver loops by
+  /// itself.
   void (*run)(void* pool, int count, Task task, void* context) noexcept = nullptr;
   void* pool = nullptr;
   int workers = 1;

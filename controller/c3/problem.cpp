@@ -115,8 +115,7 @@ void require_order(const std::string& lower_name, const Eigen::VectorXd& lower,
 }
 
 void require_bounds(const std::string& field, const PerStage<Eigen::VectorXd>& lower,
-                    const PerStage<Eigen::VectorXd>& upper, Eigen::Index size,
-                    const Sizes& sizes) {
+                    const PerStage<Eigen::VectorXd>& upper, Eigen::Index size, const Sizes& sizes) {
   const std::string lower_field = field + "_min", upper_field = field + "_max";
   require_count(lower_field, lower, sizes);
   require_count(upper_field, upper, sizes);

@@ -10,7 +10,8 @@
 namespace c3rt::c3 {
 
 /// Sizes of one C3 problem. z_k = [x_k; λ_k; u_k] for k = 0 … N−1; x_N stands alone. Every block
-/// offset in z comes from here. n_lambda = 0 is a model without contacts, n_u = 0 one without inputs.
+/// offset in z comes from here. n_lambda = 0 is a model without contacts, n_u = 0 one without
+/// inputs.
 struct Sizes {
   int n_x, n_lambda, n_u, N;
 
@@ -87,14 +88,14 @@ struct Costs {
   PerStage<Eigen::MatrixXd> R;  // (n_u × n_u) positive semidefinite
   PerStage<Eigen::MatrixXd> G;  // (n_z × n_z) positive semidefinite; definite in λ and, with R, in
                                 // u; empty with C3+
-  Eigen::MatrixXd U;            // (n_z × n_z) positive semidefinite; may be empty unless kMiqp, kAdmm
-  ConvexWeights convex = {};    // kConvex
-  PlusWeights plus = {};        // kPlus
+  Eigen::MatrixXd U;  // (n_z × n_z) positive semidefinite; may be empty unless kMiqp, kAdmm
+  ConvexWeights convex = {};  // kConvex
+  PlusWeights plus = {};      // kPlus
 };
 
 /// The set C of the QP step, never of the projection; ±infinity where there is no bound, an empty
-/// vector for none at all. Bounds hold for λ_k, u_k (k = 0 … N−1) and x_k (k = 1 … N−1); rows hold at
-/// k = 0 … N−1, but one of x alone is left out at k = 0, where x is given.
+/// vector for none at all. Bounds hold for λ_k, u_k (k = 0 … N−1) and x_k (k = 1 … N−1); rows hold
+/// at k = 0 … N−1, but one of x alone is left out at k = 0, where x is given.
 struct Constraints {
   PerStage<Eigen::VectorXd> x_min, x_max;            // (n_x)
   PerStage<Eigen::VectorXd> lambda_min, lambda_max;  // (n_lambda)

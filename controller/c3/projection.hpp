@@ -63,15 +63,16 @@ std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nod
 /// where that finds no answer that `lcs::miss` accepts.
 std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes);
 
-/// ρ of the first turn of the nested ADMM, beside U, its factor per turn and how many turns at most.
+/// ρ of the first turn of the nested ADMM, beside U, its factor per turn and how many turns at
+/// most.
 struct AdmmProjectionSettings {
   double rho = 10.0, rho_scale = 1.0;
   int iterations = 10;
 };
 
-/// The QCQP of [C3, V.B.3c] by a nested ADMM of a QP over the inequalities and a one-constraint QCQP
-/// for λᵀ y = 0, solved by bisection; both distances in the norm of U, of all copies the one nearest to
-/// the set. That need not lie in it. kEmpty where the inequalities have no common point.
+/// The QCQP of [C3, V.B.3c] by a nested ADMM of a QP over the inequalities and a one-constraint
+/// QCQP for λᵀ y = 0, solved by bisection; both distances in the norm of U, of all copies the one
+/// nearest to the set. That need not lie in it. kEmpty where the inequalities have no common point.
 std::unique_ptr<Projection> make_admm_projection(const Sizes& sizes,
                                                  const AdmmProjectionSettings& settings);
 
@@ -81,8 +82,8 @@ std::unique_ptr<Projection> make_admm_projection(const Sizes& sizes,
 ///   subject to E δ_x + F δ_λ + H δ_u + c ≥ 0, δ_λ ≥ 0
 ///
 /// Its complementarity violation is linear in α [C3, Lemma 3]. Of F in S only the symmetric part
-/// counts, which has to be positive semidefinite: otherwise kNotConvex. Where S is singular, 1e-8 of
-/// its diagonal is added to it. kEmpty where the constraints have no common point.
+/// counts, which has to be positive semidefinite: otherwise kNotConvex. Where S is singular, 1e-8
+/// of its diagonal is added to it. kEmpty where the constraints have no common point.
 std::unique_ptr<Projection> make_convex_projection(const Sizes& sizes);
 
 /// C3+ [C3+, III]: v = [z; η] + w has the gap variables; pair by pair the nearest point of

@@ -28,8 +28,9 @@ struct QpReport {
 ///
 ///   Σ_{k<N} (x_k−x_d,k)ᵀQ(·) + u_kᵀR u_k + ρ (z_kᵀ W_k z_k − 2 g_kᵀ z_k)  +  (x_N−x_d,N)ᵀQ_N(·)
 ///
-/// subject to x_{k+1} = A x_k + B u_k + D λ_k + d, x_0 given, and the constraints. The consensus term
-/// (z−r)ᵀG(z−r) with r = δ − w is W = G, g = G r; that of C3+ has W = G_λ + Jᵀ G_η J, J = [E F H].
+/// subject to x_{k+1} = A x_k + B u_k + D λ_k + d, x_0 given, and the constraints. The consensus
+/// term (z−r)ᵀG(z−r) with r = δ − w is W = G, g = G r; that of C3+ has W = G_λ + Jᵀ G_η J, J = [E F
+/// H].
 class QpStep {
  public:
   virtual ~QpStep() = default;
@@ -70,10 +71,10 @@ std::unique_ptr<QpStep> make_direct_qp(const Sizes& sizes);
 /// needless. Takes every kind of constraint; without any it is the direct method.
 std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes);
 
-/// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first `set_costs`,
-/// and again only where costs or bounds fill other places of the matrices; else it is updated.
-/// Where OSQP does not converge, or says that the constraints cannot be met, the interior point
-/// decides, so that kSolved and kInfeasible mean the same with every back end.
+/// Solution by OSQP (sparse, z and x_N as variables). Its workspace is set up in the first
+/// `set_costs`, and again only where costs or bounds fill other places of the matrices; else it is
+/// updated. Where OSQP does not converge, or says that the constraints cannot be met, the interior
+/// point decides, so that kSolved and kInfeasible mean the same with every back end.
 std::unique_ptr<QpStep> make_osqp_qp(const Sizes& sizes, const OsqpSettings& settings);
 
 }  // namespace c3rt::c3

@@ -11,8 +11,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kOfKind = 1e-3;  // of the largest entry of its kind: what a bound of 0 is met beside
-constexpr double kTiny = 1e-6;    // nor is a violation measured beside less
+constexpr double kOfKind =
+    1e-3;                       // of the largest entry of its kind: what a bound of 0 is met beside
+constexpr double kTiny = 1e-6;  // nor is a violation measured beside less
 
 }  // namespace
 

@@ -12,8 +12,9 @@
 namespace c3rt::c3 {
 
 /// The QP step with its rows, at a point: what methods for constrained problems have in common. Its
-/// steps take out what the point misses the dynamics by. Vectors over rows have `rows().all()` entries, of which the first
-/// `rows().count()` mean something. After `set_costs` nothing allocates.
+/// steps take out what the point misses the dynamics by. Vectors over rows have `rows().all()`
+/// entries, of which the first `rows().count()` mean something. After `set_costs` nothing
+/// allocates.
 class QpModel {
  public:
   explicit QpModel(const Sizes& sizes);

@@ -13,7 +13,7 @@ constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where C
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
 constexpr double kRounding = 2.2e-16;
-constexpr double kOwn = 1e-6;  // share of a gradient's own terms that counts as its scale
+constexpr double kOwn = 1e-6;         // share of a gradient's own terms that counts as its scale
 constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
 
 /// y += S v for columns [first, last) of S, v starting with column `first`.
@@ -258,9 +258,8 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
   Stationarity found;
   const int n_z = sizes_.n_z(), behind = sizes_.N - 1;  // the stages behind the first
   const double* second = gradient.data() + n_z;
-  found.input_scale = larger(
-      kernels::largest(n_nu_ - first(0), gradient.data() + n_x + first(0)),
-      kernels::largest(n_nu_, behind, second + n_x, n_z));
+  found.input_scale = larger(kernels::largest(n_nu_ - first(0), gradient.data() + n_x + first(0)),
+                             kernels::largest(n_nu_, behind, second + n_x, n_z));
   found.state_scale = kernels::largest(n_x, behind, second, n_z);
   std::copy_n(gradient_N.data(), n_x, p_.data());
   for (int k = sizes_.N - 1; k >= 0; --k) {
@@ -271,7 +270,7 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
       for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
     }
     const kernels::Columns B_hat = system(k).B_hat.columns();
-    double unknown[2] = {0.0, 0.0};  // of λ, of u
+    double unknown[2] = {0.0, 0.0};                        // of λ, of u
     double largest = 0.0, largest_term = 0.0, zero = 0.0;  // 0 v is 0, or NaN
     for (int i = 0; i < n; ++i) {
       double sum = 0.0, terms = 0.0;

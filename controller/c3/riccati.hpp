@@ -43,9 +43,9 @@ class Squares {
 /// over the inputs ν = [λ; u], B̂ = [D B], by the Riccati recursion: time and memory grow linearly
 /// with N. States are variables of their own: a point may miss the dynamics by its defects, which a
 /// step takes out, so that nothing is ever rolled out with the open loop, whose rounding would grow
-/// as ρ(A)^N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A and
-/// B̂ are found in `start` and never multiplied; x_0 does not move, so stage 0 takes part with its ν
-/// only, and where λ_0 is fixed with its u only. After the constructor nothing allocates.
+/// as ρ(A)^N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A
+/// and B̂ are found in `start` and never multiplied; x_0 does not move, so stage 0 takes part with
+/// its ν only, and where λ_0 is fixed with its u only. After the constructor nothing allocates.
 class Riccati {
  public:
   explicit Riccati(const Sizes& sizes);
@@ -86,12 +86,12 @@ class Riccati {
     double input = 0.0, state = 0.0;              // largest component by size; NaN if one is
     double input_scale = 0.0, state_scale = 0.0;  // the largest term that these are made of
     double input_sum = 0.0, state_sum = 0.0;      // of all components by size
-    double unknown = 0.0;                         // what rounding leaves open of λ and u, at least,
-                                                  // beside 1 and the largest of its stage
+    double unknown = 0.0;  // what rounding leaves open of λ and u, at least,
+                           // beside 1 and the largest of its stage
     /// Whether that leaves the digits of an answer that is called solved.
     bool is_known() const noexcept { return unknown <= kKnown; }
     static constexpr double kKnown = 1e-7;
-    double defect = 0.0;                          // Σ p_{k+1}ᵀ defect_k
+    double defect = 0.0;  // Σ p_{k+1}ᵀ defect_k
   };
   /// RT.
   /// @param gradient    of stage k in column k (n_z × N)

@@ -19,9 +19,8 @@ bool has_sizes(const lcs::Lcs& lcs, const Sizes& s) {
     return block.rows() == rows && block.cols() == cols;
   };
   return is(lcs.A, s.n_x, s.n_x) && is(lcs.B, s.n_x, s.n_u) && is(lcs.D, s.n_x, s.n_lambda) &&
-         is(lcs.d, s.n_x, 1) && is(lcs.E, s.n_lambda, s.n_x) &&
-         is(lcs.F, s.n_lambda, s.n_lambda) && is(lcs.H, s.n_lambda, s.n_u) &&
-         is(lcs.c, s.n_lambda, 1);
+         is(lcs.d, s.n_x, 1) && is(lcs.E, s.n_lambda, s.n_x) && is(lcs.F, s.n_lambda, s.n_lambda) &&
+         is(lcs.H, s.n_lambda, s.n_u) && is(lcs.c, s.n_lambda, 1);
 }
 
 std::unique_ptr<QpStep> make_qp(const Sizes& sizes, const Settings& settings) {
@@ -130,7 +129,8 @@ void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
   check(constraints, sizes_);
   has_costs_ = false;
   Costs of_qp = costs;
-  // the consensus term of C3+ fills a whole block; a G that is there all the same says nothing of it
+  // the consensus term of C3+ fills a whole block; a G that is there all the same says nothing of
+  // it
   if (settings_.projection == ProjectionKind::kPlus) of_qp.G = {};
   qp_->set_costs(of_qp, constraints);
   for (const Worker& worker : workers_) worker.projection->set_weights(costs);
@@ -140,15 +140,15 @@ void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
 }
 
 const Solution& Solver::solve(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0,
-                              const Eigen::Ref<const MatrixXd>& x_desired,
-                              const Deadline& deadline, const Start* start) noexcept {
+                              const Eigen::Ref<const MatrixXd>& x_desired, const Deadline& deadline,
+                              const Start* start) noexcept {
   return run({&lcs, 0}, x0, x_desired, deadline, start);
 }
 
 const Solution& Solver::solve(const std::vector<lcs::Lcs>& lcs,
                               const Eigen::Ref<const VectorXd>& x0,
-                              const Eigen::Ref<const MatrixXd>& x_desired,
-                              const Deadline& deadline, const Start* start) noexcept {
+                              const Eigen::Ref<const MatrixXd>& x_desired, const Deadline& deadline,
+                              const Start* start) noexcept {
   if (static_cast<int>(lcs.size()) != sizes_.N) {
     reset();
     return fail(Failure::kWrongSize);
@@ -179,8 +179,8 @@ Failure Solver::refuse(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
 }
 
 const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
-                            const Eigen::Ref<const MatrixXd>& x_desired,
-                            const Deadline& deadline, const Start* start) noexcept {
+                            const Eigen::Ref<const MatrixXd>& x_desired, const Deadline& deadline,
+                            const Start* start) noexcept {
   reset();
   if (const Failure failure = refuse(lcs, x0, x_desired, start); failure != Failure::kNone) {
     return fail(failure);
@@ -203,7 +203,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   for (int i = 0; i < settings_.admm_iterations; ++i) {
     const double rho = solution_.rho;
     aim(lcs);
-    solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);         // [C3, eq. (21)]
+    solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);  // [C3, eq. (21)]
     if (solution_.qp.status != QpStatus::kSolved) return fail(Failure::kQp);
     if (!z_.allFinite() || !x_N_.allFinite()) return fail(Failure::kNotFinite);
     solution_.z.topRows(sizes_.n_z()) = z_;
@@ -215,7 +215,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
       record(lcs, rho, false);
       break;
     }
-    if (!project(lcs, deadline)) {                                       // [C3, eq. (22) – (24)]
+    if (!project(lcs, deadline)) {  // [C3, eq. (22) – (24)]
       record(lcs, rho, false);
       break;
     }
@@ -230,8 +230,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   if (solution_.status == SolveStatus::kFailed) return fail(solution_.failure);
   solution_.complementarity_violation = complementarity_violation(lcs);
   const bool finite = solution_.z.allFinite() && solution_.delta.allFinite() &&
-                      solution_.w.allFinite() &&
-                      std::isfinite(solution_.complementarity_violation);
+                      solution_.w.allFinite() && std::isfinite(solution_.complementarity_violation);
   return finite ? solution_ : fail(Failure::kNotFinite);
 }
 
@@ -259,7 +258,8 @@ StageMatrices Solver::weigh(Horizon lcs) noexcept {
       for (int col = 0; col < sizes_.n_z(); ++col) {
         const double weighted = plus_.g_eta[row] * J(row, col);
         if (weighted == 0.0) continue;
-        for (int other = 0; other < sizes_.n_z(); ++other) W(other, col) += weighted * J(row, other);
+        for (int other = 0; other < sizes_.n_z(); ++other)
+          W(other, col) += weighted * J(row, other);
       }
     }
   }

@@ -23,16 +23,16 @@ enum class QpBackend {
 
 /// Settings of Algorithm 1. Counts alone decide the answer: no time limit is in here.
 struct Settings {
-  int admm_iterations;         // s: how many QPs are solved; u_0 is from the last
-  double rho, rho_scale;       // ρ of the first QP and its factor ρ_s per iteration
+  int admm_iterations;    // s: how many QPs are solved; u_0 is from the last
+  double rho, rho_scale;  // ρ of the first QP and its factor ρ_s per iteration
   QpBackend qp;
-  OsqpSettings osqp;           // used by kOsqp
+  OsqpSettings osqp;  // used by kOsqp
   ProjectionKind projection;
-  int max_nodes;               // of one projection's branch and bound
-  bool delta_starts_at_x0;     // δ⁰ = [x0; 0; 0] in all stages instead of 0
-  bool project_last = false;   // also project after the last QP, whose u_0 does not depend on it
-  bool fix_lambda_0 = false;   // λ_0 = LCP(E x_0 + c, F) in every QP; needs H = 0 at the first stage
-  bool trace = false;          // keep every iterate
+  int max_nodes;              // of one projection's branch and bound
+  bool delta_starts_at_x0;    // δ⁰ = [x0; 0; 0] in all stages instead of 0
+  bool project_last = false;  // also project after the last QP, whose u_0 does not depend on it
+  bool fix_lambda_0 = false;  // λ_0 = LCP(E x_0 + c, F) in every QP; needs H = 0 at the first stage
+  bool trace = false;         // keep every iterate
   AdmmProjectionSettings admm = {};  // used by kAdmm
 };
 
@@ -58,16 +58,16 @@ enum class Failure {
 /// What one turn of Algorithm 1 left behind. The copies have n_z rows, with C3+ n_z + n_lambda: the
 /// gap η below (Sizes::eta).
 struct Iterate {
-  double rho;                 // of its QP
-  Eigen::MatrixXd z;          // (n_copy × N)
-  Eigen::VectorXd x_N;        // (n_x)
-  Eigen::MatrixXd delta, w;   // (n_copy × N) after projection and dual update; as before without
+  double rho;                // of its QP
+  Eigen::MatrixXd z;         // (n_copy × N)
+  Eigen::VectorXd x_N;       // (n_x)
+  Eigen::MatrixXd delta, w;  // (n_copy × N) after projection and dual update; as before without
   QpReport qp;
-  int projections;            // N, or 0 where the turn ended with the QP
+  int projections;                           // N, or 0 where the turn ended with the QP
   std::vector<ProjectionReport> projection;  // (N)
-  double primal_residual;     // ‖z − δ‖_F
-  double dual_residual;       // ρ ‖δ − δ of the turn before‖_F
-  double complementarity_violation;  // of z, as in Solution
+  double primal_residual;                    // ‖z − δ‖_F
+  double dual_residual;                      // ρ ‖δ − δ of the turn before‖_F
+  double complementarity_violation;          // of z, as in Solution
 };
 
 struct Solution {
@@ -75,9 +75,9 @@ struct Solution {
   Failure failure = Failure::kNoCosts;
   Eigen::MatrixXd z;    // (n_copy × N) of the last complete QP: x_k, λ_k, u_k; with C3+ also η_k
   Eigen::VectorXd x_N;  // (n_x)
-  Eigen::MatrixXd delta, w;          // (n_copy × N) copies and scaled duals, for the next QP
-  double rho = 0.0;                  // of the next QP
-  Eigen::VectorXd primal_residual;   // (s) ‖z − δ‖_F after projection i, 0 where there was none
+  Eigen::MatrixXd delta, w;         // (n_copy × N) copies and scaled duals, for the next QP
+  double rho = 0.0;                 // of the next QP
+  Eigen::VectorXd primal_residual;  // (s) ‖z − δ‖_F after projection i, 0 where there was none
   double complementarity_violation;  // max |min(λ, E x + F λ + H u + c)| over the stages of z
   int iterations = 0;                // complete QPs
   int projections = 0;               // complete rounds of N projections
@@ -97,9 +97,9 @@ struct Start {
   Eigen::MatrixXd delta, w;  // (n_copy × N)
 };
 
-/// A start from an earlier solution, one stage on: stage k takes the copy and the dual of k + 1, the
-/// last stage keeps its own. w is rescaled so that the dual ρ w is the same at `rho`. No heap if
-/// `start` has the sizes already.
+/// A start from an earlier solution, one stage on: stage k takes the copy and the dual of k + 1,
+/// the last stage keeps its own. w is rescaled so that the dual ρ w is the same at `rho`. No heap
+/// if `start` has the sizes already.
 void shift(const Solution& solution, double rho, Start& start);
 
 /// Consensus complementarity control [C3, Algorithm 1]:
@@ -151,8 +151,8 @@ class Solver {
                  const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
                  const Start* start) const noexcept;
   const Solution& run(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
-                      const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-                      const Deadline& deadline, const Start* start) noexcept;
+                      const Eigen::Ref<const Eigen::MatrixXd>& x_desired, const Deadline& deadline,
+                      const Start* start) noexcept;
   void reset() noexcept;
   const Solution& fail(Failure failure) noexcept;
   Failure find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x0) noexcept;
@@ -182,7 +182,7 @@ class Solver {
   std::vector<Eigen::MatrixXd> W_;  // G_λ + Jᵀ G_η J
   lcs::Lemke lemke_;
   Eigen::VectorXd lambda_0_;
-  Eigen::MatrixXd z_, g_;           // work: a z or δ is published only when it is complete
+  Eigen::MatrixXd z_, g_;  // work: a z or δ is published only when it is complete
   Eigen::MatrixXd delta_, v_;
   std::vector<ProjectionReport> reports_;
   Eigen::VectorXd x_N_, y_;

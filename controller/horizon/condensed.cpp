@@ -326,15 +326,14 @@ double LeastDistance::infeasible_below(const Centre& centre, const c3::NodeQp& q
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const c3::NodeQp::Contradiction against = qp.contradiction();
   const double slope = (L_.triangularView<Eigen::Lower>() * against.normal).norm();
-  if (against.violation >
-      (slope + kRounding * against.weight) * reach(normalised(centre, qp.f())))
+  if (against.violation > (slope + kRounding * against.weight) * reach(normalised(centre, qp.f())))
     return kInfinity;
 
   // the combination as multipliers: in proportion to it the dual function rises from the free
   // minimum, until the square of its normal counts
   const Bound free = settle(
-      normalised(centre, VectorXd::Zero(qp.f().size())), {},
-      [](const VectorXd& t) { return t; }, kInfinity);
+      normalised(centre, VectorXd::Zero(qp.f().size())), {}, [](const VectorXd& t) { return t; },
+      kInfinity);
   std::vector<int> rows;
   for (int i = 0; i < qp.n_active(); ++i) rows.push_back(qp.active(i));
   rows.push_back(against.constraint);

@@ -79,9 +79,10 @@ class LeastDistance {
     double unsettled;   // how much of it the curvature has cost; 0 where less than rounding
     Eigen::VectorXd v;  // where it was found (in the units of H)
   };
-  /// A lower bound of the problem *without* ε, with the inequalities as they are and the pinned rows
-  /// at zero: the dual function at multipliers of the active constraints around a centre that has
-  /// settled. With v the minimiser of the Lagrangian and v_c the centre, any other v' costs at least
+  /// A lower bound of the problem *without* ε, with the inequalities as they are and the pinned
+  /// rows at zero: the dual function at multipliers of the active constraints around a centre that
+  /// has settled. With v the minimiser of the Lagrangian and v_c the centre, any other v' costs at
+  /// least
   ///
   ///   dual − ε ‖v − v_c‖² − 2 ε ‖v − v_c‖ ‖v' − v‖
   ///
@@ -94,8 +95,9 @@ class LeastDistance {
   static constexpr double kReach = 1e6;
   double reach(const Eigen::VectorXd& v) const;
 
-  /// After a QP that has no solution: below which costs that is shown. Infinity where no plan within
-  /// reach meets the constraints; a cost where rounding leaves only that one would have to cost more.
+  /// After a QP that has no solution: below which costs that is shown. Infinity where no plan
+  /// within reach meets the constraints; a cost where rounding leaves only that one would have to
+  /// cost more.
   /// @param enough  no better bound is needed
   double infeasible_below(const Centre& centre, const c3::NodeQp& qp, double enough) const;
 

@@ -8,9 +8,9 @@ namespace c3rt::horizon {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kEpsilon = 1e-8;       // curvature that the cost gets, of its diagonal
-constexpr double kTolerance = 1e-12;    // of the largest normalised |s| at the free minimiser
-constexpr double kSettled = 1e-11;      // distance from the lower bound, of the objective
+constexpr double kEpsilon = 1e-8;     // curvature that the cost gets, of its diagonal
+constexpr double kTolerance = 1e-12;  // of the largest normalised |s| at the free minimiser
+constexpr double kSettled = 1e-11;    // distance from the lower bound, of the objective
 constexpr double kSameObjective = 1e-13;
 constexpr int kMaxCentres = 30;
 

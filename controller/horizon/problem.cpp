@@ -77,7 +77,8 @@ double residual(const Problem& problem, const Plan& plan) {
   // what each entry is rounded to: its largest value, and a little of the largest of its kind
   const auto sizes = [](const Eigen::MatrixXd& values) -> Eigen::VectorXd {
     if (values.size() == 0) return Eigen::VectorXd::Zero(values.rows());
-    return values.cwiseAbs().rowwise().maxCoeff().array() + kOfOthers * values.cwiseAbs().maxCoeff();
+    return values.cwiseAbs().rowwise().maxCoeff().array() +
+           kOfOthers * values.cwiseAbs().maxCoeff();
   };
   const Eigen::VectorXd force_sizes = sizes(plan.lambda), input_sizes = sizes(plan.u);
   Eigen::VectorXd x_sizes = plan.x.cwiseAbs().rowwise().maxCoeff();

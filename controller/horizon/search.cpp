@@ -74,8 +74,8 @@ class Search {
 
   Node& node(std::size_t level) {
     while (nodes_.size() <= level) {
-      nodes_.push_back(std::make_unique<Node>(
-          Node{c3::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
+      nodes_.push_back(
+          std::make_unique<Node>(Node{c3::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
     }
     return *nodes_[level];
   }
@@ -134,7 +134,8 @@ class Search {
         leaf(here);
         if (bound >= prune_above()) return;
       }
-      if (last || (solved && cost_of(here) < prune_above() && least_complementary(here.qp).pair >= 0))
+      if (last ||
+          (solved && cost_of(here) < prune_above() && least_complementary(here.qp).pair >= 0))
         break;
       move(here, lower.v);
     }
@@ -152,7 +153,8 @@ class Search {
     }
   }
 
-  /// The pair whose smaller side is the largest, of those not decided yet; −1 if none is above zero.
+  /// The pair whose smaller side is the largest, of those not decided yet; −1 if none is above
+  /// zero.
   struct Violation {
     int pair = -1;
     double smaller = 0.0;
@@ -210,17 +212,21 @@ std::string describe(const SearchResult& result) {
     std::snprintf(buffer, sizeof buffer, format, values...);
     return std::string(buffer);
   };
-  const std::string best = result.plan ? text("the best plan found is within a gap of %.2g", result.gap)
-                                       : std::string("no plan was found");
+  const std::string best = result.plan
+                               ? text("the best plan found is within a gap of %.2g", result.gap)
+                               : std::string("no plan was found");
   switch (result.status) {
-    case SearchStatus::kOptimal: return text("proven optimal to a gap of %.2g", result.gap);
-    case SearchStatus::kInfeasible: return "infeasible: no trajectory meets the constraints";
+    case SearchStatus::kOptimal:
+      return text("proven optimal to a gap of %.2g", result.gap);
+    case SearchStatus::kInfeasible:
+      return "infeasible: no trajectory meets the constraints";
     case SearchStatus::kNodeLimit:
       return text("stopped at max_nodes = %ld (%ld QPs solved): ", result.max_nodes, result.nodes) +
              best;
     case SearchStatus::kDeadline:
       return text("stopped by the deadline after %ld QPs: ", result.nodes) + best;
-    case SearchStatus::kInaccurate: break;
+    case SearchStatus::kInaccurate:
+      break;
   }
   return text("beyond double precision, %ld QPs searched to the end: ", result.nodes) + best;
 }

@@ -38,9 +38,9 @@ struct SearchResult {
 
 /// The monolithic problem [C3, eq. (15)] by branch and bound over its complementary pairs, without
 /// M: the search of the exact projection, over the whole horizon. Depth first, so that an answer
-/// is there soon. Bounds are those of the problem itself, without the curvature that λ, which has no
-/// cost of its own, is given in the QPs; plans are simulated and checked before they count. Not RT.
-/// Deterministic unless the deadline strikes.
+/// is there soon. Bounds are those of the problem itself, without the curvature that λ, which has
+/// no cost of its own, is given in the QPs; plans are simulated and checked before they count. Not
+/// RT. Deterministic unless the deadline strikes.
 /// @param known  a plan that meets the problem, for example C3's; others are left alone
 SearchResult search(const Problem& problem, const SearchSettings& settings,
                     const std::optional<Plan>& known = {}, const c3::Deadline& deadline = {});

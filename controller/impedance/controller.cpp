@@ -290,9 +290,9 @@ void Controller::move_reference(const Input& input) noexcept {
 
   const Eigen::Quaterniond q_WE(state_.X_WE.linear());
   // the law's rotational error is half an angle
-  const double farthest_turn = given * 2.0 *
-                               lead(limits.lead_angular_acceleration,
-                                    parameters_.gains.stiffness.tail<3>().maxCoeff());
+  const double farthest_turn =
+      given * 2.0 *
+      lead(limits.lead_angular_acceleration, parameters_.gains.stiffness.tail<3>().maxCoeff());
   const Eigen::Quaterniond next_turn =
       turn_towards(reference_.q_WE, wanted.q_WE, limits.reference_angular_speed * period);
   reference_.q_WE = turn_towards(q_WE, next_turn, farthest_turn);

@@ -87,8 +87,8 @@ struct Counters {
   std::uint64_t stale_plan_events = 0;    // times that a tracked plan became too old
   std::uint64_t plans_other_session = 0;  // plans refused: of another session
   std::uint64_t plans_invalid = 0;  // plans refused: not finite, out of all measure, status unknown
-  std::uint64_t workspace_clamps = 0;     // the plan was outside the box
-  std::uint64_t plan_clamps = 0;  // it asked for more than the arm gives: speed, lead or force
+  std::uint64_t workspace_clamps = 0;  // the plan was outside the box
+  std::uint64_t plan_clamps = 0;       // it asked for more than the arm gives: speed, lead or force
   std::uint64_t torque_clamps = 0;
   std::uint64_t torque_rate_clamps = 0;
   std::uint64_t stops = 0;  // times that the arm was stopped
@@ -156,7 +156,7 @@ class Controller {
   int stale_cycles_ = 0, good_cycles_ = 0, steady_cycles_ = 0;  // in a row
   std::int64_t previous_now_ns_ = 0;
   bool old_state_ = false;  // older than the law may act on
-  bool away_ = false;  // cycles or states were missing: the reference begins anew
+  bool away_ = false;       // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
   Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();

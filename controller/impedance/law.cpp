@@ -64,8 +64,7 @@ Torque torque(const Gains& gains, const ArmState& arm, const Vector7d& q, const 
   Torque torque;
   torque.of_goal =
       arm.J_WE.transpose() * (Lambda * asked) + feed_forward_torque(arm.J_WE, goal.force_E);
-  torque.of_arm =
-      arm.J_WE.transpose() * (Lambda * damped) + arm.coriolis + task.N * posture;
+  torque.of_arm = arm.J_WE.transpose() * (Lambda * damped) + arm.coriolis + task.N * posture;
   return torque;
 }
 

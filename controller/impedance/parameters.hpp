@@ -26,7 +26,7 @@ struct Limits {
   double lead_acceleration;          // [m/s^2]
   double lead_angular_acceleration;  // [rad/s^2]
   double plan_force;                 // that is fed forward [N]
-  Eigen::Vector3d workspace_min;   // box for the tracked position, in W [m]
+  Eigen::Vector3d workspace_min;     // box for the tracked position, in W [m]
   Eigen::Vector3d workspace_max;
   model::Vector7d tau_max;       // [N m]
   double tau_rate_max;           // [N m/s]
@@ -43,7 +43,7 @@ struct Thread {
 };
 
 struct Parameters {
-  double period;  // [s]
+  double period;                // [s]
   bool recovers_alone = false;  // from a robot state that was missing, once it comes steadily again
   Reference reference;
   bool feed_forward;

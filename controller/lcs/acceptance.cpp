@@ -42,8 +42,8 @@ LcpMiss miss(const Eigen::Ref<const Eigen::MatrixXd>& F, const Eigen::Ref<const 
     if (!(std::numeric_limits<double>::epsilon() * of_terms <= of_problem / R[i]) && of_terms > 0.0)
       return {kInfinity, kInfinity};
     if (missing == 0.0) continue;
-    const double allowed = std::min(kOfTerms * of_terms + kOfLargestForce * of_largest * largest,
-                                    of_problem / R[i]);
+    const double allowed =
+        std::min(kOfTerms * of_terms + kOfLargestForce * of_largest * largest, of_problem / R[i]);
     worst.relative = std::max(worst.relative, missing / allowed);
   }
   return worst;

@@ -10,8 +10,8 @@ namespace {
 double leading(double a) noexcept { return a; }
 double leading(DoubleDouble a) noexcept { return a.high; }
 
-// What is left of two numbers that cancel, beside them, where it is rounding alone. The data, doubles,
-// differ by 1e-17 of themselves or not at all: in DoubleDouble the two cannot be confused.
+// What is left of two numbers that cancel, beside them, where it is rounding alone. The data,
+// doubles, differ by 1e-17 of themselves or not at all: in DoubleDouble the two cannot be confused.
 template <typename Number>
 constexpr double kCancelled = 8.0 * std::numeric_limits<double>::epsilon();
 template <>

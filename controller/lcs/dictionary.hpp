@@ -13,10 +13,10 @@ namespace c3rt::lcs {
 ///
 ///   basic + T other = b
 ///
-/// Variables are numbered w_i = i, λ_i = n + i, z0 = 2 n. Only the columns of the others are held, so
-/// that an exchange costs half of one in a full tableau. `Number` is double, or DoubleDouble where
-/// the order of nearly equal ratios must not be rounding's; dictionary.cpp has these two. Sizes are
-/// fixed by the constructor, which allocates; nothing else does.
+/// Variables are numbered w_i = i, λ_i = n + i, z0 = 2 n. Only the columns of the others are held,
+/// so that an exchange costs half of one in a full tableau. `Number` is double, or DoubleDouble
+/// where the order of nearly equal ratios must not be rounding's; dictionary.cpp has these two.
+/// Sizes are fixed by the constructor, which allocates; nothing else does.
 template <typename Number>
 class Dictionary {
  public:
@@ -26,8 +26,9 @@ class Dictionary {
   void load(const Eigen::Ref<const Eigen::MatrixXd>& F, const Eigen::Ref<const Eigen::VectorXd>& q,
             const Eigen::VectorXd& R, const Eigen::VectorXd& C, double epsilon) noexcept;
 
-  /// Exchanges w_i and λ_i of all i with `wanted[i]`, largest pivot first and none below `smallest`,
-  /// or of as many as can be, one or two at a time; call it after load. Returns whether they all were.
+  /// Exchanges w_i and λ_i of all i with `wanted[i]`, largest pivot first and none below
+  /// `smallest`, or of as many as can be, one or two at a time; call it after load. Returns whether
+  /// they all were.
   bool exchange(const std::vector<char>& wanted, double smallest) noexcept;
 
   /// b of another q̃ in the same basis.
@@ -56,10 +57,10 @@ class Dictionary {
   void pivot(int row, int column) noexcept;
 
   int n_;
-  std::vector<Number> entries_;    // [T | z0 or what it was exchanged for | b], by rows
-  std::vector<int> basic_, other_;  // variable of each row (n) and column (n + 1)
-  std::vector<int> where_;          // of each variable: its row, or −1 − its column
-  std::vector<int> first_;          // basic variables at the start of `cover`
+  std::vector<Number> entries_;      // [T | z0 or what it was exchanged for | b], by rows
+  std::vector<int> basic_, other_;   // variable of each row (n) and column (n + 1)
+  std::vector<int> where_;           // of each variable: its row, or −1 − its column
+  std::vector<int> first_;           // basic variables at the start of `cover`
   std::vector<int> rows_, columns_;  // of exchanges that may have to be undone
   int pivots_ = 0;
 };

@@ -4,9 +4,9 @@
 
 namespace c3rt::lcs {
 
-/// A number of some 32 digits: the unevaluated sum of two doubles, |low| ≤ ulp(high)/2 [Dekker 1971].
-/// Needs every operation rounded on its own, to double: no contraction, no -ffast-math. A product
-/// beyond 1e300 is not finite. RT: no heap, no lock, no throw.
+/// A number of some 32 digits: the unevaluated sum of two doubles, |low| ≤ ulp(high)/2 [Dekker
+/// 1971]. Needs every operation rounded on its own, to double: no contraction, no -ffast-math. A
+/// product beyond 1e300 is not finite. RT: no heap, no lock, no throw.
 struct DoubleDouble {
   double high = 0.0, low = 0.0;
 };
@@ -30,8 +30,7 @@ inline DoubleDouble two_product(double a, double b) noexcept {
   const double a_scaled = kSplit * a, b_scaled = kSplit * b;
   const double a_high = a_scaled - (a_scaled - a), a_low = a - a_high;
   const double b_high = b_scaled - (b_scaled - b), b_low = b - b_high;
-  return {product,
-          ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low};
+  return {product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low};
 }
 
 inline DoubleDouble operator-(DoubleDouble a) noexcept { return {-a.high, -a.low}; }

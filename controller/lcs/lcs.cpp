@@ -49,7 +49,8 @@ std::optional<double> find_force_scale(const Lcs& lcs) noexcept {
 
 double force_scale(const Lcs& lcs) {
   const std::optional<double> scale = find_force_scale(lcs);
-  if (!scale) throw std::invalid_argument("Lcs.A, Lcs.D: expected finite matrices that are not zero");
+  if (!scale)
+    throw std::invalid_argument("Lcs.A, Lcs.D: expected finite matrices that are not zero");
   return *scale;
 }
 

@@ -8,7 +8,8 @@ namespace c3rt::lcs {
 namespace {
 
 // Of the tableau in double: an entry this small beside the largest of its column is rounding, not a
-// pivot, and ratios this close (beside the larger one) are a tie, which the lexicographic rule breaks.
+// pivot, and ratios this close (beside the larger one) are a tie, which the lexicographic rule
+// breaks.
 constexpr double kPivotTolerance = 1e-11;
 constexpr double kTieTolerance = 1e-12;
 // Of the dictionary. With ε the smallest true pivots are some ε², without it the data's rounding,

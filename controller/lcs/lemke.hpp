@@ -88,8 +88,8 @@ class Lemke {
   Dictionary<DoubleDouble> dictionary_;
   Dictionary<double> small_;  // of try_every_basis
   Eigen::VectorXd q_, terms_, absolute_, first_;
-  Eigen::VectorXd row_, column_;         // R and C of equilibrate
-  std::vector<char> start_;              // λ that are basic at the start of an attempt
+  Eigen::VectorXd row_, column_;          // R and C of equilibrate
+  std::vector<char> start_;               // λ that are basic at the start of an attempt
   std::vector<DoubleDouble> right_side_;  // R (q − ε λ)
 };
 

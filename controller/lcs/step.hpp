@@ -12,8 +12,8 @@ struct StepReport {
   [[nodiscard]] bool ok() const noexcept { return lcp.status == LcpStatus::kSolved; }
 };
 
-/// The λ of LCP(E x + H u + c, F), by Lemke's method; zero unless the report says kSolved. `lemke` has
-/// size n_lambda; the blocks of `lcs` have passed `check`. RT: no heap, no lock, no throw.
+/// The λ of LCP(E x + H u + c, F), by Lemke's method; zero unless the report says kSolved. `lemke`
+/// has size n_lambda; the blocks of `lcs` have passed `check`. RT: no heap, no lock, no throw.
 [[nodiscard]] LcpReport solve_lcp(const Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x,
                                   const Eigen::Ref<const Eigen::VectorXd>& u, Lemke& lemke,
                                   Eigen::Ref<Eigen::VectorXd> lambda) noexcept;

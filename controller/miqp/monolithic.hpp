@@ -11,8 +11,8 @@ struct MonolithicSettings {
 };
 
 struct MonolithicResult {
-  // optimal: the modes' exact plan is within the gap of the solver's bound. Bound and infeasibility are
-  // the solver's word, to the tolerance of its QPs and below big_m: a baseline, no proof
+  // optimal: the modes' exact plan is within the gap of the solver's bound. Bound and infeasibility
+  // are the solver's word, to the tolerance of its QPs and below big_m: a baseline, no proof
   Status status = Status::kFailed;
   horizon::Plan plan;  // where status is optimal or feasible
   double gap = 0.0;    // |plan.objective − the solver's bound| / max(|plan.objective|, 1)

@@ -3,14 +3,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include <pinocchio/parsers/urdf.hpp>
-
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
+#include <pinocchio/parsers/urdf.hpp>
 #include <urdf_parser/urdf_parser.h>
 
 namespace c3rt::model {
@@ -37,16 +36,18 @@ pinocchio::Model load(const ArmDescription& description) {
   pinocchio::Model model;
   pinocchio::urdf::buildModel(tree, model);
   if (model.nq != kJoints || model.nv != kJoints) {
-    throw ArmError(path + ": expected 7 joints before " + name + ", got " + std::to_string(model.nv));
+    throw ArmError(path + ": expected 7 joints before " + name + ", got " +
+                   std::to_string(model.nv));
   }
   const pinocchio::Frame& flange_frame = model.frames[model.getFrameId(name)];
   const Eigen::Vector3d inertia(tool.inertia_xx, tool.inertia_xx, tool.inertia_zz);
   const pinocchio::Inertia end_effector(tool.mass, Eigen::Vector3d(0, 0, tool.center_of_mass_z),
                                         inertia.asDiagonal().toDenseMatrix());
   model.appendBodyToJoint(flange_frame.parentJoint, end_effector, flange_frame.placement);
-  const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, tool.sphere_center_z));
-  model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint, flange_frame.placement * X_flange_E,
-                                  pinocchio::OP_FRAME));
+  const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(),
+                                  Eigen::Vector3d(0, 0, tool.sphere_center_z));
+  model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint,
+                                  flange_frame.placement * X_flange_E, pinocchio::OP_FRAME));
   return model;
 }
 
@@ -54,7 +55,12 @@ pinocchio::Model load(const ArmDescription& description) {
 
 struct Arm::Workspace {
   explicit Workspace(pinocchio::Model loaded)
-      : model(std::move(loaded)), data(model), E(model.getFrameId("E")), q(kJoints), dq(kJoints), J(6, kJoints) {
+      : model(std::move(loaded)),
+        data(model),
+        E(model.getFrameId("E")),
+        q(kJoints),
+        dq(kJoints),
+        J(6, kJoints) {
     J.setZero();
   }
   pinocchio::Model model;

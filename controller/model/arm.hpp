@@ -1,6 +1,6 @@
 #pragma once
-// The full model M_f of the arm: kinematics and dynamics of seven joints with the spherical end effector.
-// Pinocchio is named in arm.cpp only.
+// The full model M_f of the arm: kinematics and dynamics of seven joints with the spherical end
+// effector. Pinocchio is named in arm.cpp only.
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -38,8 +38,8 @@ struct ArmDescription {
   EndEffector end_effector;
 };
 
-/// Everything that the law needs at one (q, dq). W = the robot's base frame; E = the sphere's centre with the
-/// orientation of the flange.
+/// Everything that the law needs at one (q, dq). W = the robot's base frame; E = the sphere's
+/// centre with the orientation of the flange.
 struct ArmState {
   Eigen::Isometry3d X_WE;  // pose of E
   Matrix67d J_WE;          // geometric Jacobian of E, [linear; angular] in W
@@ -52,8 +52,10 @@ struct ArmState {
 /// The arm's rigid-body dynamics. Movable, not copyable (it owns work space).
 class Arm {
  public:
-  /// Reads seven joints from a URDF; the hand below the flange is left out, the end effector put on.
-  /// @throws ArmError if the file is missing, is no URDF, or has no such flange behind seven joints.
+  /// Reads seven joints from a URDF; the hand below the flange is left out, the end effector put
+  /// on.
+  /// @throws ArmError if the file is missing, is no URDF, or has no such flange behind seven
+  /// joints.
   explicit Arm(const ArmDescription& description);
   Arm(Arm&&) noexcept;
   Arm& operator=(Arm&&) noexcept;

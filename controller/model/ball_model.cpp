@@ -32,9 +32,8 @@ struct Contact {
 // the end effector against the ball's surface point r n away from the ball's centre
 Contact end_effector_contact(const BallModelParameters& parameters, const scene::Scene& scene) {
   const Eigen::Vector3d n = from_ball(scene).normalized();
-  Contact contact{
-      from_ball(scene).norm() - parameters.end_effector_radius - parameters.ball_radius, n,
-      Eigen::Matrix<double, 3, kVelocities>::Zero()};
+  Contact contact{from_ball(scene).norm() - parameters.end_effector_radius - parameters.ball_radius,
+                  n, Eigen::Matrix<double, 3, kVelocities>::Zero()};
   auto& relative = contact.relative_velocity;
   relative.middleCols<3>(kVelocityEndEffector).setIdentity();
   relative.middleCols<3>(kVelocityOmega) = cross_matrix(parameters.ball_radius * n);  // −ω × r n
@@ -198,7 +197,9 @@ std::unique_ptr<PlanningModel> make_rolling_ball(const BallModelParameters& para
 }
 
 ModelKind rolling_ball_kind() {
-  return {"rolling_ball", 1, 1,
+  return {"rolling_ball",
+          1,
+          1,
           {{"end_effector_mass_kg", 1e-4, 100},
            {"end_effector_radius_m", 1e-3, 1},
            {"ball_mass_kg", 1e-3, 100},

@@ -44,9 +44,9 @@ enum class BallContact {
   kTable,        // ball and table
 };
 
-/// M_s evaluated at a scene with one body, the ball. Gravity acts on ball and end effector. a_WB is part of d: the force at
-/// the ball's centre that makes a rolling ball accelerate so, 7/5 m a, as on a table that is
-/// tilted.
+/// M_s evaluated at a scene with one body, the ball. Gravity acts on ball and end effector. a_WB is
+/// part of d: the force at the ball's centre that makes a rolling ball accelerate so, 7/5 m a, as
+/// on a table that is tilted.
 /// @param contacts those that the model has, in the order of its λ. BallLayout is for both of them
 /// in their order, the default.
 /// Precondition: the centres of end effector and ball differ.

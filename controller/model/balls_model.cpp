@@ -181,7 +181,9 @@ std::unique_ptr<PlanningModel> make_rolling_balls(const BallsModelParameters& pa
 }
 
 ModelKind rolling_balls_kind() {
-  return {"rolling_balls", 2, 4,
+  return {"rolling_balls",
+          2,
+          4,
           {{"end_effector_mass_kg", 1e-4, 100},
            {"end_effector_radius_m", 1e-3, 1},
            {"ball_mass_kg", 1e-3, 100},

@@ -7,9 +7,7 @@ int LambdaLayout::edge_count() const noexcept {
   return has_normal() || n_e_ > 0 ? n_e_ : 1;
 }
 
-int LambdaLayout::size() const noexcept {
-  return n_c_ * ((has_normal() ? 2 : 0) + edge_count());
-}
+int LambdaLayout::size() const noexcept { return n_c_ * ((has_normal() ? 2 : 0) + edge_count()); }
 
 int LambdaLayout::edges(int contact) const noexcept {
   return size() - (n_c_ - contact) * edge_count();

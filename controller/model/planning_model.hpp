@@ -34,10 +34,10 @@ struct ModelContact {
 /// The order of x, u and of the contacts. The only place that knows it.
 struct Layout {
   int n_x = 0, n_v = 0, n_u = 0;
-  int n_e = 0;              // edges of each contact's friction cone, in opposite pairs
+  int n_e = 0;  // edges of each contact's friction cone, in opposite pairs
   std::vector<StateBlock> x;
-  int p_WE = 0, v_WE = 0;   // where the end effector's position and velocity begin in x, in W
-  int effector_v = 0;       // and where its velocity begins in v
+  int p_WE = 0, v_WE = 0;  // where the end effector's position and velocity begin in x, in W
+  int effector_v = 0;      // and where its velocity begins in v
   std::vector<ModelContact> contacts;  // all that the model can have
 
   int n_c() const noexcept { return static_cast<int>(contacts.size()); }

@@ -50,15 +50,13 @@ std::string why(const Activity& a, const Parameters& parameters, double now) {
     case Cause::kBallNotFinite:
       return text("the estimate of ball %d is not finite", a.ball);
     case Cause::kBallOutOfReach:
-      return text(
-          "ball %d is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m", a.ball,
-          a.ball_at.x(), a.ball_at.y(), reach.reach_min.x(), reach.reach_max.x(),
-          reach.reach_min.y(), reach.reach_max.y());
+      return text("ball %d is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m",
+                  a.ball, a.ball_at.x(), a.ball_at.y(), reach.reach_min.x(), reach.reach_max.x(),
+                  reach.reach_min.y(), reach.reach_max.y());
     case Cause::kStopped:
       return "stopped by a person; recover ends it";
     case Cause::kAsked:
-      return text("asked to hold; ball %d at (%.3f, %.3f) m", a.ball, a.ball_at.x(),
-                  a.ball_at.y());
+      return text("asked to hold; ball %d at (%.3f, %.3f) m", a.ball, a.ball_at.x(), a.ball_at.y());
     case Cause::kNotBroughtToRest:
       return text("asked to hold; ball %d could not be brought to rest and rolls at %.3f m/s",
                   a.ball, a.ball_speed);

@@ -14,19 +14,19 @@ enum class Mode { kWait, kApproach, kRoll, kReturn, kRest, kHold };
 
 /// Why it waits, holds or brings a ball to rest.
 enum class Cause {
-  kNone,            // it goes about its task
-  kNoState,         // the robot's state has never been heard
-  kStateLate,       // or is older than the timeout
+  kNone,       // it goes about its task
+  kNoState,    // the robot's state has never been heard
+  kStateLate,  // or is older than the timeout
   kStateNotFinite,
-  kNoVision,        // vision has never spoken of the ball
-  kVisionSilent,    // or last did so longer ago than the timeout
-  kBallNotInView,   // vision says that it does not see it
+  kNoVision,       // vision has never spoken of the ball
+  kVisionSilent,   // or last did so longer ago than the timeout
+  kBallNotInView,  // vision says that it does not see it
   kBallNotFinite,
   kBallOutOfReach,
-  kStopped,         // a person has stopped the robot
-  kAsked,           // a client asks to hold
+  kStopped,           // a person has stopped the robot
+  kAsked,             // a client asks to hold
   kNotBroughtToRest,  // the same, but the ball could not be brought to rest first
-  kAtTarget,        // the ball lies where a client wants it
+  kAtTarget,          // the ball lies where a client wants it
 };
 
 struct Activity {

@@ -16,8 +16,8 @@ struct ApproachInput {
 
 /// A reference that starts and ends gently, as one whose velocity jumps drives a stiff arm into its
 /// torque limits. While the robot does not follow (stopped by a person, a reflex, its controller
-/// holds or is not there) it rests where the arm is, so that an arm that moves again finds it there.
-/// An arm that follows but stays behind (something is in its way) it waits for.
+/// holds or is not there) it rests where the arm is, so that an arm that moves again finds it
+/// there. An arm that follows but stays behind (something is in its way) it waits for.
 class Approach {
  public:
   /// @param table_height in W [m]

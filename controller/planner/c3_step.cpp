@@ -57,8 +57,8 @@ StepStatus C3Step::step(const scene::Scene& x_hat, bool rolling, int active, dou
                         const c3::Deadline& deadline) noexcept {
   // step 2: the LCS about x̂
   model_->state(x_hat, x_hat_);
-  lcs::Lcs planning = model::to_lcs(problem_.contact_model,
-                                    model_->contact_system(x_hat, problem_.contacts), dt_);
+  lcs::Lcs planning =
+      model::to_lcs(problem_.contact_model, model_->contact_system(x_hat, problem_.contacts), dt_);
   result_.solution = nullptr;
   const std::optional<double> scale = lcs::find_force_scale(planning);
   if (!scale) return StepStatus::kFailed;

@@ -19,11 +19,11 @@ enum class StepStatus {
 
 /// What a step leaves; of kFailed and kNoStep nothing but status and solution count.
 struct StepResult {
-  Eigen::Vector3d p_WE, v_WE;    // x_d of the end effector
-  Eigen::Vector3d force_E;       // λ_d as the contacts' force on the end effector, in W [N]
-  Eigen::Vector3d u_c3;          // [N]
-  Eigen::VectorXd lambda_d;      // of the step over Δt_c (n_lambda_d) [N]
-  double force_scale;            // what the solution's λ are to be multiplied with for [N]
+  Eigen::Vector3d p_WE, v_WE;  // x_d of the end effector
+  Eigen::Vector3d force_E;     // λ_d as the contacts' force on the end effector, in W [N]
+  Eigen::Vector3d u_c3;        // [N]
+  Eigen::VectorXd lambda_d;    // of the step over Δt_c (n_lambda_d) [N]
+  double force_scale;          // what the solution's λ are to be multiplied with for [N]
   // of Algorithm 1, valid until the next step; none where forces of no contact could be scaled
   const c3::Solution* solution;
 };

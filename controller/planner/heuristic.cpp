@@ -51,11 +51,11 @@ int ball_to_work_on(const HeuristicParameters& parameters, const task::Task& tas
   return chosen;
 }
 
-Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters,
-                                    const Geometry& geometry, Phase phase,
-                                    const Eigen::Vector3d& end_effector,
+Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters, const Geometry& geometry,
+                                    Phase phase, const Eigen::Vector3d& end_effector,
                                     const Eigen::Vector3d& ball, const Eigen::Vector2d& target) {
-  const double touching = geometry.table_height + 2.0 * geometry.ball_radius + geometry.end_effector_radius;
+  const double touching =
+      geometry.table_height + 2.0 * geometry.ball_radius + geometry.end_effector_radius;
   if (phase == Phase::kRoll) return {ball.x(), ball.y(), touching + parameters.roll_clearance};
   const int part = phase == Phase::kReturnUp ? 0 : phase == Phase::kReturnSideways ? 1 : 2;
   const double height = geometry.table_height + parameters.return_heights[part];

@@ -17,15 +17,14 @@ Phase phase_at(const HeuristicParameters& parameters, double elapsed);
 /// is farthest behind], but the one in its way if there is one that is not at its place yet. Of
 /// other tasks it is the first.
 /// @param now the one that is worked on: another one has to be worth the change
-int ball_to_work_on(const HeuristicParameters& parameters, const task::Task& task, const scene::Scene& scene,
-                    int now);
+int ball_to_work_on(const HeuristicParameters& parameters, const task::Task& task,
+                    const scene::Scene& scene, int now);
 
 /// Where the end effector is drawn to in this phase, in W [m].
 /// @param ball, target the ball's centre and its desired position; part "up" keeps the end
 /// effector's own x and y
-Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters,
-                                    const Geometry& geometry, Phase phase,
-                                    const Eigen::Vector3d& end_effector,
+Eigen::Vector3d end_effector_target(const HeuristicParameters& parameters, const Geometry& geometry,
+                                    Phase phase, const Eigen::Vector3d& end_effector,
                                     const Eigen::Vector3d& ball, const Eigen::Vector2d& target);
 
 }  // namespace c3rt::planner

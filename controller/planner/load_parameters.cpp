@@ -89,8 +89,7 @@ ModelParameters load_model(config::Section& section, int bodies) {
     if (!asked.insert(contact.pair).second) continue;
     if (pairs.boolean(contact.pair)) parameters.pairs.insert(contact.pair);
   }
-  if (parameters.pairs.empty())
-    section.fail("contacts", "at least one pair that is true", "none");
+  if (parameters.pairs.empty()) section.fail("contacts", "at least one pair that is true", "none");
   return parameters;
 }
 

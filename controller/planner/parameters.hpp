@@ -96,7 +96,7 @@ struct Parameters {
   double estimate_timeout;   // a ball estimate older than this counts as lost [s]
   double deadline_fraction;  // of the period, realtime only
   int N;
-  double dt;                         // planning step Δt [s]
+  double dt;  // planning step Δt [s]
   ModelParameters model;
   Geometry geometry;
   c3::Settings c3;

@@ -11,15 +11,17 @@ namespace {
 
 constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
 constexpr double kStateTimeout = 0.1;  // [s]
-// Without plans, or without a robot that follows them, for this long: what was going on is over [s].
+// Without plans, or without a robot that follows them, for this long: what was going on is over
+// [s].
 constexpr double kLeft = 0.2;
 // When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
 constexpr double kOnBallGap = 1.5e-3, kOnBallBeside = 0.025;
 constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
 constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
-constexpr double kNearPoint = 0.01;     // a ball that stops this near to its point is carried there [m]
-constexpr double kAstray = 6e-3;        // and one that is farther away than this [m]
-constexpr double kAstrayTime = 0.3;     // for this long is brought back [s]
+constexpr double kNearPoint =
+    0.01;                         // a ball that stops this near to its point is carried there [m]
+constexpr double kAstray = 6e-3;  // and one that is farther away than this [m]
+constexpr double kAstrayTime = 0.3;  // for this long is brought back [s]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
@@ -113,7 +115,8 @@ Cause Planner::hindrance(const BodyInput& ball) const noexcept {
 Cause Planner::hindrance(const Input& input, int& ball) const noexcept {
   if (std::isinf(input.state_age)) return Cause::kNoState;
   if (input.state_age > kStateTimeout) return Cause::kStateLate;
-  if (!input.effector.p_WE.allFinite() || !input.effector.v_WE.allFinite()) return Cause::kStateNotFinite;
+  if (!input.effector.p_WE.allFinite() || !input.effector.v_WE.allFinite())
+    return Cause::kStateNotFinite;
   for (ball = 0; ball < parameters_.model.bodies; ++ball) {
     const Cause cause = hindrance(input.bodies[static_cast<std::size_t>(ball)]);
     if (cause != Cause::kNone) return cause;
@@ -153,7 +156,8 @@ RestInput Planner::rest_input(const Input& input, const scene::Scene& scene,
           to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
 }
 
-void Planner::decide_rest(const Input& input, const scene::Scene& scene, Situation& known) noexcept {
+void Planner::decide_rest(const Input& input, const scene::Scene& scene,
+                          Situation& known) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
   const scene::Body& ball = scene.bodies[worked];
   const bool seen = in_view(input.bodies[worked]);
@@ -194,7 +198,8 @@ void Planner::decide_rest(const Input& input, const scene::Scene& scene, Situati
     known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
     known.ball_left = stage == Rest::Stage::kLeft;
   } else if (working) {
-    known.rest_wanted = hold || delivers || (mode_ == Mode::kRoll && on_ball_ && !known.balls_at_hand);
+    known.rest_wanted =
+        hold || delivers || (mode_ == Mode::kRoll && on_ball_ && !known.balls_at_hand);
   } else {
     known.rest_wanted = delivers && mode_ == Mode::kHold;  // it has crept away a little
   }
@@ -334,7 +339,8 @@ void Planner::advance_phase(double now, const scene::Scene& scene, bool in_c3) n
   const Eigen::Vector3d& p_WB = scene.body(ball_).p_WB;
   const double gap = gap_between(parameters_.geometry, scene, ball_);
   touched_ = touched_ || gap < 0.5 * parameters_.heuristic.return_gap;
-  const bool slipped_off = (scene.effector.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
+  const bool slipped_off =
+      (scene.effector.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
   if ((touched_ && gap > parameters_.heuristic.return_gap) || slipped_off) {
     c3_since_ = now;
     phase_ = Phase::kReturnUp;
@@ -347,7 +353,8 @@ double Planner::lowered(scene::Scene& scene, std::size_t worked) const noexcept 
   // A ball that is seen too high would be planned to hold the end effector up, and the press on it,
   // some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
   // much.
-  const double touching = parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius;
+  const double touching =
+      parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius;
   const Eigen::Vector3d above = scene.effector.p_WE - scene.bodies[worked].p_WB;
   const double over_square = touching * touching - above.head<2>().squaredNorm();
   if (over_square > 0.0 && above.z() > 0.0) {
@@ -420,7 +427,8 @@ double Planner::delta_t_c(const Input& input) const noexcept {
   return std::min(std::max(result, 1e-3), parameters_.dt);
 }
 
-void Planner::plan_with_c3(const Input& input, const scene::Scene& scene, c3::Deadline deadline) noexcept {
+void Planner::plan_with_c3(const Input& input, const scene::Scene& scene,
+                           c3::Deadline deadline) noexcept {
   const auto worked = static_cast<std::size_t>(ball_);
   scene::Scene x_hat = scene;
   const double rise = parameters_.table_below_ball ? lowered(x_hat, worked) : 0.0;
@@ -447,8 +455,9 @@ void Planner::plan_with_c3(const Input& input, const scene::Scene& scene, c3::De
   Eigen::Vector3d meeting = rolled.p_WB;
   if (phase_ != Phase::kRoll && !follows)
     meeting.head<2>() += rolled_on(rolled, parameters_.heuristic.return_lead);
-  const Eigen::Vector3d drawn = end_effector_target(parameters_.heuristic, parameters_.geometry,
-                                                    phase_, x_hat.effector.p_WE, meeting, target_now);
+  const Eigen::Vector3d drawn =
+      end_effector_target(parameters_.heuristic, parameters_.geometry, phase_, x_hat.effector.p_WE,
+                          meeting, target_now);
   for (int k = 0; k <= parameters_.N; ++k) {
     desired.effector.p_WE = drawn;
     if (follows) {
@@ -495,7 +504,8 @@ void Planner::plan_with_c3(const Input& input, const scene::Scene& scene, c3::De
   if (speed > parameters_.speed_limit) {
     const Eigen::Vector3d way = plan_.p_WE - input.effector.p_WE;
     if (way.norm() > 0.0)
-      plan_.p_WE = input.effector.p_WE + way.normalized() * parameters_.speed_limit * plan_.delta_t_c;
+      plan_.p_WE =
+          input.effector.p_WE + way.normalized() * parameters_.speed_limit * plan_.delta_t_c;
     plan_.v_WE *= parameters_.speed_limit / speed;
     ++counters_.speed_clamped;
   }

@@ -45,9 +45,9 @@ struct Input {
   double state_age;  // of what follows; infinite before the first [s]
   scene::Effector effector;
   std::array<BodyInput, scene::kMaxBodies> bodies;  // the first ModelParameters::bodies of them
-  bool robot_follows = true;  // it moves, and its controller tracks the plans
-  bool stopped;   // a person has stopped the robot
-  Target target;  // a client's
+  bool robot_follows = true;                        // it moves, and its controller tracks the plans
+  bool stopped;                                     // a person has stopped the robot
+  Target target;                                    // a client's
   double solve_time;  // duration of the previous solve [s], for DeltaTcSource::kSolveTime
 };
 
@@ -132,9 +132,9 @@ class Planner {
   Rest rest_;
   bool on_ball_ = false;          // the end effector touches it from above, when last seen
   double stopping_since_ = -1.0;  // a rolling ball has to be brought to rest; negative: none [s]
-  bool not_brought_to_rest_ = false;           // within the time allowed
-  std::optional<Eigen::Vector2d> delivered_;   // to this point of a client, in W [m]
-  double astray_since_ = -1.0;    // it has moved away from there; negative: not [s]
+  bool not_brought_to_rest_ = false;          // within the time allowed
+  std::optional<Eigen::Vector2d> delivered_;  // to this point of a client, in W [m]
+  double astray_since_ = -1.0;                // it has moved away from there; negative: not [s]
   Activity activity_;
   Plan plan_;
   Counters counters_;
@@ -145,7 +145,7 @@ class Planner {
   std::optional<BallDisturbance> disturbance_;
   double ball_touched_ = -1.0;  // the end effector was last near the ball; negative: not yet [s]
   double previous_now_ = -1.0, c3_since_ = -1.0;
-  double followed_ = -1.0;  // the robot last followed; negative: not yet [s]
+  double followed_ = -1.0;    // the robot last followed; negative: not yet [s]
   double task_since_ = -1.0;  // C3 took over for the first time: the clock of a task in time
   static constexpr int kPeriodsAveraged = 10;
   std::array<double, kPeriodsAveraged> periods_{};  // the newest at period_count_ - 1

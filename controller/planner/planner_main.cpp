@@ -16,12 +16,12 @@
 #include "controller/planner/planner.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
+#include "controller/task/circle.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
 #include "idl/replies.hpp"
-#include "controller/task/circle.hpp"
 
 namespace {
 
@@ -104,10 +104,9 @@ void take_requests(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
     if (request.process != c3rt_v1_PROCESS_PLANNER) continue;
     if (request.verb == c3rt_v1_REQUEST_STOP) in.stopped = true;
     if (request.verb == c3rt_v1_REQUEST_RECOVER) in.stopped = false;
-    replies.answer(request.request_id, true,
-                in.stopped ? "holding until recover"
-                           : "planning: " + planner::describe(in.target),
-                now_ns);
+    replies.answer(
+        request.request_id, true,
+        in.stopped ? "holding until recover" : "planning: " + planner::describe(in.target), now_ns);
   }
 }
 
@@ -118,7 +117,7 @@ void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
     if (fault.process != c3rt_v1_PROCESS_PLANNER) continue;
     const std::string refused = wire::refusal(fault, {});
     replies.answer(fault.request_id, refused.empty(),
-                refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
+                   refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
     if (!refused.empty()) {
       spdlog::warn("planner: fault refused: {}", refused);
       continue;
@@ -229,9 +228,9 @@ class Teller {
     const std::string text = planner::describe(activity, parameters_, now);
     if (text == text_) return;
     text_ = text;
-    status_.set_state(planner::needs_attention(activity) ? c3rt_v1_SERVICE_DEGRADED
-                                                         : c3rt_v1_SERVICE_RUNNING,
-                      text);
+    status_.set_state(
+        planner::needs_attention(activity) ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
+        text);
     // a cause is told once, though its numbers go on
     const bool new_cause = activity.cause != told_.cause || activity.ball != told_.ball;
     const bool at_rest = activity.cause != planner::Cause::kNone && activity.mode != told_.mode;

@@ -71,8 +71,8 @@ void Rest::meet(const RestInput& input) noexcept {
   const double beside = (input.p_WE - input.p_WB).head<2>().norm();
   const double top = input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius;
   const bool near = gap(input) < kNearGap && beside < kNearBeside;
-  from_above_ = beside < kAbove && input.p_WE.z() > top + 0.5 * kHover &&
-                input.p_WE.z() < top + 2.0 * kHover;
+  from_above_ =
+      beside < kAbove && input.p_WE.z() > top + 0.5 * kHover && input.p_WE.z() < top + 2.0 * kHover;
   if (from_above_ || (near && !stopped_)) {
     enter(Stage::kTouch, input.now);
     touch(input);

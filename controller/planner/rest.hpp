@@ -10,11 +10,11 @@ namespace c3rt::planner {
 
 /// What a period begins with.
 struct RestInput {
-  double now;                  // session time [s]
-  double period;               // since the last call [s]
-  Eigen::Vector3d p_WE, v_WE;  // the end effector [m, m/s]
-  bool seen;                   // what follows is of now, else of when it was last seen
-  Eigen::Vector3d p_WB, v_WB;  // the ball [m, m/s]
+  double now;                           // session time [s]
+  double period;                        // since the last call [s]
+  Eigen::Vector3d p_WE, v_WE;           // the end effector [m, m/s]
+  bool seen;                            // what follows is of now, else of when it was last seen
+  Eigen::Vector3d p_WB, v_WB;           // the ball [m, m/s]
   std::optional<Eigen::Vector2d> goal;  // where the ball is to lie, if that matters, in W [m]
 };
 
@@ -22,8 +22,8 @@ struct RestInput {
 /// effector's speed: where the end effector comes to rest, the ball does, whatever the cameras say.
 /// So the end effector meets the ball from above and moves along with it, sinks until it stands on
 /// it, brakes, stands still, lets its press fade, and rises slowly, as a ball that nothing resists
-/// keeps the least speed that it is left with. On the ball the press alone decides the height. A ball
-/// that lies near its goal is rolled there, at half the end effector's way.
+/// keeps the least speed that it is left with. On the ball the press alone decides the height. A
+/// ball that lies near its goal is rolled there, at half the end effector's way.
 class Rest {
  public:
   enum class Stage { kMeet, kTouch, kBrake, kStand, kCarry, kRelease, kRise, kLeft, kFailed };
@@ -62,7 +62,7 @@ class Rest {
   double press_ = 0.0;
   Eigen::Vector2d carry_to_ = Eigen::Vector2d::Zero();  // the end effector [m]
   bool carried_ = false;                                // since it touched the ball
-  Eigen::Vector2d v_WB_ = Eigen::Vector2d::Zero();  // smoothed
+  Eigen::Vector2d v_WB_ = Eigen::Vector2d::Zero();      // smoothed
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
 };
 

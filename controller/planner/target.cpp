@@ -1,16 +1,17 @@
 #include "controller/planner/target.hpp"
-#include "controller/task/circle.hpp"
 
 #include <cmath>
 #include <cstdio>
 
+#include "controller/task/circle.hpp"
+
 namespace c3rt::planner {
 namespace {
 
-constexpr double kMargin = 0.02;             // of the way inside the reach [m]
-constexpr Interval kRadius{0.06, 0.15};      // that were shown to hold the ball [m]
+constexpr double kMargin = 0.02;         // of the way inside the reach [m]
+constexpr Interval kRadius{0.06, 0.15};  // that were shown to hold the ball [m]
 constexpr Interval kLead{10.0 * M_PI / 180.0, 30.0 * M_PI / 180.0};  // the same [rad]
-constexpr double kDegree = M_PI / 180.0;     // [rad]
+constexpr double kDegree = M_PI / 180.0;                             // [rad]
 
 template <typename... Numbers>
 std::string text(const char* format, Numbers... numbers) {

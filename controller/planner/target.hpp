@@ -30,10 +30,10 @@ struct Interval {
 
 /// What the targets of a scenario have to keep.
 struct TargetLimits {
-  int balls;                     // circles and points are for one
-  Interval x, y;                 // of every point of the way, in W [m]
-  Interval radius;               // of a circle [m]
-  Interval lead;                 // of a circle, in either direction [rad]
+  int balls;        // circles and points are for one
+  Interval x, y;    // of every point of the way, in W [m]
+  Interval radius;  // of a circle [m]
+  Interval lead;    // of a circle, in either direction [rad]
 };
 
 TargetLimits target_limits(const Parameters& parameters);

@@ -92,8 +92,8 @@ c3::Costs costs_of(const PlanningProblem& problem, const PhaseWeights& weights, 
   costs.convex = {weights.U_x * MatrixXd::Identity(n_x, n_x),
                   weights.U_u * MatrixXd::Identity(n_u, n_u), weights.convex_alpha,
                   weights.convex_epsilon};
-  costs.plus.g_lambda = weights.plus_g_lambda ? VectorXd::Constant(n_lambda, *weights.plus_g_lambda)
-                                              : G_lambda;
+  costs.plus.g_lambda =
+      weights.plus_g_lambda ? VectorXd::Constant(n_lambda, *weights.plus_g_lambda) : G_lambda;
   costs.plus.u_lambda.setConstant(n_lambda, weights.plus_u_lambda);
   costs.plus.g_eta = of_rows(weights.plus_g_eta, lambda);
   costs.plus.u_eta = of_rows(weights.plus_u_eta, lambda);

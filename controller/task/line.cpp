@@ -10,9 +10,8 @@ class LineProgress final : public Progress {
  public:
   explicit LineProgress(const Line& line) : line_(line) {}
   void add(double elapsed, const std::vector<Eigen::Vector2d>& bodies) override {
-    arrived_ = std::count_if(bodies.begin(), bodies.end(), [&](const Eigen::Vector2d& body) {
-      return line_.past_end(body.y());
-    });
+    arrived_ = std::count_if(bodies.begin(), bodies.end(),
+                             [&](const Eigen::Vector2d& body) { return line_.past_end(body.y()); });
     if (arrived_ == static_cast<std::ptrdiff_t>(bodies.size()) && std::isnan(all_arrived_))
       all_arrived_ = elapsed;
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Several bodies along one line of constant x, state-based, a pace at a time, each to a place of its
-// own past the end: the last body just past it, each one ahead of it farther by the spacing
+// Several bodies along one line of constant x, state-based, a pace at a time, each to a place of
+// its own past the end: the last body just past it, each one ahead of it farther by the spacing
 // [C3, section VII-B, where the balls have no place to stop].
 #include "controller/task/source.hpp"
 #include "controller/task/task.hpp"

@@ -15,8 +15,7 @@ struct Place {
 };
 
 Place place_at(const Path& path, double elapsed) noexcept {
-  const double place =
-      std::fmod(std::max(elapsed, 0.0), path.round_duration()) / path.interval;
+  const double place = std::fmod(std::max(elapsed, 0.0), path.round_duration()) / path.interval;
   const std::size_t count = path.points.size();
   const std::size_t from = std::min(static_cast<std::size_t>(place), count - 1);
   return {from, (from + 1) % count, place - static_cast<double>(from)};
@@ -43,8 +42,8 @@ Path Path::load(Source& source) {
   const Eigen::MatrixXd points = source.rows("points_m", 2, 1000, 2, -1, 1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) path.points.push_back(points.row(i).transpose());
   path.interval = source.number("interval_s", 0.01, 100);
-  path.between =
-      source.choice("between", {"hold", "interpolate"}) == 0 ? Between::kHold : Between::kInterpolate;
+  path.between = source.choice("between", {"hold", "interpolate"}) == 0 ? Between::kHold
+                                                                        : Between::kInterpolate;
   path.lead = source.number("lead_s", 0, 10);
   path.preview = source.boolean("preview");
   return path;

@@ -27,9 +27,7 @@ struct Path {
   /// x_d^b(t), in W [m]. @param elapsed t since the task began [s]; before it, the first way-point
   Eigen::Vector2d point(double elapsed) const noexcept;
   /// How long one round of all way-points takes [s].
-  double round_duration() const noexcept {
-    return interval * static_cast<double>(points.size());
-  }
+  double round_duration() const noexcept { return interval * static_cast<double>(points.size()); }
 
   Eigen::Vector2d target(const scene::Scene&, int, double elapsed, double ahead) const noexcept {
     return point(elapsed + lead + (preview ? ahead : 0.0));

@@ -22,8 +22,8 @@ class Progress {
   /// @param elapsed since the task began [s]
   /// @param bodies  where they are, in W [m]; at least one
   virtual void add(double elapsed, const std::vector<Eigen::Vector2d>& bodies) = 0;
-  virtual double amount() const = 0;  // of Task::unit(), with fractions
-  virtual int completed() const = 0;  // whole ones; 1 of a task that is done once
+  virtual double amount() const = 0;              // of Task::unit(), with fractions
+  virtual int completed() const = 0;              // whole ones; 1 of a task that is done once
   virtual std::vector<double> times() const = 0;  // of each that is completed [s]
   /// From when on the error is judged, since the task began; kNone before that is known [s].
   virtual double judged_from() const = 0;
@@ -40,7 +40,8 @@ struct Along {
 class Task {
  public:
   template <typename Kind, typename = std::enable_if_t<!std::is_same_v<std::decay_t<Kind>, Task>>>
-  Task(Kind kind) : held_(std::make_shared<const Held<Kind>>(std::move(kind))) {}  // NOLINT: by value
+  Task(Kind kind)
+      : held_(std::make_shared<const Held<Kind>>(std::move(kind))) {}  // NOLINT: by value
 
   /// "circle": as the registry has it.
   const char* kind() const noexcept { return held_->kind(); }

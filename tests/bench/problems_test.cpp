@@ -40,8 +40,8 @@ TEST_CASE("benchmarks: the first QP of every problem is solved, by every back en
         for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kInteriorPoint}) {
           if (backend == QpBackend::kDirect && c3::any(p.constraints)) continue;
           const c3::QpReport report = first_qp(p, p.states[i], backend);
-          CAPTURE(name, N, i, static_cast<int>(backend), report.iterations,
-                  report.primal_residual, report.dual_residual);
+          CAPTURE(name, N, i, static_cast<int>(backend), report.iterations, report.primal_residual,
+                  report.dual_residual);
           CHECK(report.status == c3::QpStatus::kSolved);
         }
       }
@@ -73,8 +73,7 @@ TEST_CASE("benchmarks: every problem is solved with every projection that takes 
           const c3::Solution& solution = solver.solve(at.lcs, at.x0, p.x_desired(at));
           CAPTURE(timed.problem, static_cast<int>(kind), N, i, solution.iterations,
                   static_cast<int>(solution.failure), static_cast<int>(solution.qp.status),
-                  solution.qp.iterations, solution.qp.primal_residual,
-                  solution.qp.dual_residual);
+                  solution.qp.iterations, solution.qp.primal_residual, solution.qp.dual_residual);
           CHECK(solution.status == c3::SolveStatus::kOk);
         }
       }

@@ -14,7 +14,8 @@ std::string said(const CLI::Validator& check, std::string input) { return check(
 }  // namespace
 
 TEST_CASE("checks: a number is finite, whole where it must be, and in its range") {
-  for (const char* good : {"0", "0.5", "1", "1e-3", "+0.25"}) CHECK(said(number(0, 1), good).empty());
+  for (const char* good : {"0", "0.5", "1", "1e-3", "+0.25"})
+    CHECK(said(number(0, 1), good).empty());
   for (const char* bad : {"nan", "inf", "-inf", "1e999", "1.0001", "-1e-9", "", "1x", "0x1", " 1"})
     CHECK_THAT(said(number(0, 1), bad), Contains("expected a number from 0 to 1, got"));
   for (const char* good : {"0", "230", "+7"}) CHECK(said(whole(0, 230), good).empty());

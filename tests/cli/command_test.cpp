@@ -117,11 +117,33 @@ TEST_CASE("numbers out of range, NaN and words that are not known are refused in
 
 TEST_CASE("every command's help shows at least two examples, all of that command") {
   const Place place;
-  for (const std::string command :
-       {"run", "up", "serve", "down", "status", "recover", "stop", "fault", "fault push-ball",
-        "fault drop-commands", "fault freeze-camera", "fault lose-ball", "fault stall", "fault nan",
-        "fault none", "target", "target circle", "target point", "target hold", "target scenario",
-        "topics", "echo", "hz", "campaign", "reproduce", "solve", "bench"}) {
+  for (const std::string command : {"run",
+                                    "up",
+                                    "serve",
+                                    "down",
+                                    "status",
+                                    "recover",
+                                    "stop",
+                                    "fault",
+                                    "fault push-ball",
+                                    "fault drop-commands",
+                                    "fault freeze-camera",
+                                    "fault lose-ball",
+                                    "fault stall",
+                                    "fault nan",
+                                    "fault none",
+                                    "target",
+                                    "target circle",
+                                    "target point",
+                                    "target hold",
+                                    "target scenario",
+                                    "topics",
+                                    "echo",
+                                    "hz",
+                                    "campaign",
+                                    "reproduce",
+                                    "solve",
+                                    "bench"}) {
     CAPTURE(command);
     const Outcome help = place.c3rt(command + " --help");
     CHECK(help.status == 0);
@@ -226,9 +248,11 @@ TEST_CASE("c3rt scenario prints a scenario whole, so that the print can be run i
   const Place place;
   const Outcome outcome = place.c3rt("scenario circle_fast --set planner.rate_hz=75");
   REQUIRE(outcome.status == 0);
-  CHECK_THAT(outcome.output, Catch::StartsWith("name: circle_fast") && Contains("# circle_fast.yaml:2\n"));
+  CHECK_THAT(outcome.output,
+             Catch::StartsWith("name: circle_fast") && Contains("# circle_fast.yaml:2\n"));
   CHECK_THAT(outcome.output, Contains("  rate_hz: 75") && Contains("# --set\n"));
-  CHECK_THAT(outcome.output, Contains("  speed_limit_m_per_s: 0.2") && Contains("# circle_slow.yaml:"));
+  CHECK_THAT(outcome.output,
+             Contains("  speed_limit_m_per_s: 0.2") && Contains("# circle_slow.yaml:"));
   CHECK_THAT(outcome.output, !Contains("extends"));
   const std::string mine = (place.path() / "mine.yaml").string();
   std::ofstream(mine) << outcome.output;
@@ -258,11 +282,14 @@ TEST_CASE("c3rt scenario without a name lists every file of the folder with its 
 TEST_CASE("c3rt scenario refuses what c3rt run would, by file and line") {
   const Place place;
   const std::string mine = (place.path() / "mine.yaml").string();
-  std::ofstream(mine) << "name: mine\ndescription: own\nextends: circle_fast\nplanner:\n  horizon: 99\n";
+  std::ofstream(mine)
+      << "name: mine\ndescription: own\nextends: circle_fast\nplanner:\n  horizon: 99\n";
   for (const std::string verb : {"scenario", "run"}) {
     const Outcome outcome = place.c3rt(verb + " '" + mine + "'");
     CHECK(outcome.status == 2);
-    CHECK_THAT(outcome.output, Contains("mine.yaml:5: planner.horizon: expected an integer in [1, 10], got \"99\""));
+    CHECK_THAT(
+        outcome.output,
+        Contains("mine.yaml:5: planner.horizon: expected an integer in [1, 10], got \"99\""));
   }
   CHECK(place.c3rt("scenario no_such_scenario").status == 2);
   CHECK(place.c3rt("scenario circle_fast --set planner.no_such_key=1").status == 2);

@@ -31,9 +31,9 @@ class Place {
   }
   /// @param runtime another folder of locks: as another user would have
   std::string command(const std::string& arguments, const std::string& runtime = "run") const {
-    return "XDG_RUNTIME_DIR='" + (folder_.path() / runtime).string() + "' C3RT_PROCESS_DIRECTORY='" +
-           (folder_.path() / "bin").string() + "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " +
-           arguments;
+    return "XDG_RUNTIME_DIR='" + (folder_.path() / runtime).string() +
+           "' C3RT_PROCESS_DIRECTORY='" + (folder_.path() / "bin").string() +
+           "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " + arguments;
   }
   support::Outcome c3rt(const std::string& arguments, const std::string& runtime = "run") const {
     return support::outcome_of(command(arguments, runtime));

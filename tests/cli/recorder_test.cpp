@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
+#include "controller/task/circle.hpp"
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/folder.hpp"
 #include "tests/idl/samples.hpp"
-#include "controller/task/circle.hpp"
 
 namespace c3rt::cli {
 namespace {

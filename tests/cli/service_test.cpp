@@ -65,7 +65,8 @@ TEST_CASE("service: a process that is killed is started again, and status tells"
   CHECK(service.empty());
 }
 
-TEST_CASE("service: a robot that stopped for a death is recovered, one that a person stopped is not") {
+TEST_CASE(
+    "service: a robot that stopped for a death is recovered, one that a person stopped is not") {
   const Service service;
   REQUIRE(service.up().status == 0);
   const auto plant_says = [&](const std::string& text) {
@@ -100,7 +101,9 @@ TEST_CASE("service: a planner that is started again is told the last target that
     });
   };
   const std::string taken = "a stub, told target 2 with radius 0.080000";
-  REQUIRE(service.c3rt("target circle --center 0.55 0 --radius 0.08" + service.on_domain()).status == 0);
+  REQUIRE(
+      service.c3rt("target circle --center 0.55 0 --radius 0.08" + service.on_domain()).status ==
+      0);
   REQUIRE(planner_says(taken));
   // refused, so not the last that was taken
   REQUIRE(service.c3rt("target point 0.55 0" + service.on_domain()).status == 1);
@@ -139,9 +142,9 @@ TEST_CASE("service: on a domain in use another user's instance is refused and to
   const Service service;
   REQUIRE(service.up().status == 0);
   for (const std::string verb : {"up", "run"}) {
-    const Outcome refused = service.c3rt(
-        verb + " circle_slow" + service.on_domain() + " --out '" + (service.path() / "o").string() + "'",
-        "other");
+    const Outcome refused = service.c3rt(verb + " circle_slow" + service.on_domain() + " --out '" +
+                                             (service.path() / "o").string() + "'",
+                                         "other");
     CHECK(refused.status == 2);
     CHECK_THAT(refused.output,
                Contains("DDS domain 96 is busy: ") && Contains("pid ") && Contains("user "));
@@ -151,7 +154,8 @@ TEST_CASE("service: on a domain in use another user's instance is refused and to
   const Outcome down = service.c3rt("down" + service.on_domain(), "other");
   CHECK(down.status == 1);
   CHECK_THAT(down.output, Contains("not yours") && Contains("user "));
-  CHECK(service.c3rt("status" + service.on_domain()).status == 0);  // and nothing has happened to it
+  CHECK(service.c3rt("status" + service.on_domain()).status ==
+        0);  // and nothing has happened to it
 }
 
 TEST_CASE("service: after everything was killed it comes up again at once") {
@@ -174,7 +178,8 @@ TEST_CASE("service: hz tells keys and writers apart, topics shows who reads and 
   CHECK_THAT(hz.output, !Contains("min -"));
   const Outcome topics = service.c3rt("topics --peers" + service.on_domain());
   CHECK(topics.status == 0);
-  CHECK_THAT(topics.output, Contains("c3rt::v1::RobotState") && Contains("writers readers  rate Hz") &&
+  CHECK_THAT(topics.output, Contains("c3rt::v1::RobotState") &&
+                                Contains("writers readers  rate Hz") &&
                                 Contains("best effort, volatile, keep last 1, deadline 20 ms") &&
                                 Contains("writer ") && Contains("reader ") && Contains("a stub"));
 }
@@ -185,7 +190,8 @@ TEST_CASE("service: echo and hz say that nobody writes, after a bounded time") {
     for (const std::string topic : {"plan", "task/target"}) {
       const Outcome outcome = place.c3rt(tool + " " + topic + " --timeout 0.5" + place.on_domain());
       CHECK(outcome.status == 1);
-      CHECK_THAT(outcome.output, Contains("nobody has written " + topic + " on domain 96 for 0.5 s"));
+      CHECK_THAT(outcome.output,
+                 Contains("nobody has written " + topic + " on domain 96 for 0.5 s"));
     }
   }
 }
@@ -199,17 +205,17 @@ TEST_CASE("service: a DDS profile that is wrong is one line and status 2, and no
   };
   const std::string begin = "<CycloneDDS><Domain Id=\"any\">", end = "</Domain></CycloneDDS>";
   for (const std::string& text :
-       {begin + "<General><Interfaces><NetworkInterface name=\"nosuch7\"/></Interfaces></General>" + end,
-        begin + "<General><NoSuchElement>1</NoSuchElement></General>" + end,
-        begin + "<General>", std::string("this is no XML"), std::string()}) {
+       {begin + "<General><Interfaces><NetworkInterface name=\"nosuch7\"/></Interfaces></General>" +
+            end,
+        begin + "<General><NoSuchElement>1</NoSuchElement></General>" + end, begin + "<General>",
+        std::string("this is no XML"), std::string()}) {
     CAPTURE(text);
     const std::string file = profile(text);
     for (const std::string verb : {"run circle_slow", "up circle_slow", "status", "echo plan"}) {
       CAPTURE(verb);
-      const Outcome outcome =
-          place.c3rt(verb + " --dds '" + file + "'" + (verb.find("circle") != std::string::npos
-                                                            ? place.start_options()
-                                                            : place.on_domain()));
+      const Outcome outcome = place.c3rt(
+          verb + " --dds '" + file + "'" +
+          (verb.find("circle") != std::string::npos ? place.start_options() : place.on_domain()));
       CHECK(outcome.status == 2);
       const std::size_t error = outcome.output.find("c3rt: error: DDS profile " + file);
       REQUIRE(error != std::string::npos);
@@ -235,7 +241,8 @@ TEST_CASE("service: where a domain has no room for another program, the limit is
   const std::string options = place.on_domain() + " --dds '" + profile + "'";
   const Outcome outcome = c3rt::support::outcome_of(
       place.command("echo plan --timeout 60" + options) +
-      " >/dev/null 2>&1 & first=$!; for i in $(seq 100); do sleep 0.1; " + place.command("status" + options) +
+      " >/dev/null 2>&1 & first=$!; for i in $(seq 100); do sleep 0.1; " +
+      place.command("status" + options) +
       "; status=$?; [ $status = 2 ] && break; done; kill $first; exit $status");
   CHECK(outcome.status == 2);
   CHECK_THAT(outcome.output, Contains("as many programs use the domain as the profile allows "
@@ -251,11 +258,11 @@ TEST_CASE("service: on a full disk nothing is started, and it is said at once") 
   std::ofstream(disk.path() / "filler") << std::string(600000, 'x');
   const Service service;
   for (const std::string verb : {"up", "run"}) {
-    const Outcome outcome =
-        service.c3rt(verb + " circle_slow" + service.on_domain() + " --out '" + disk.path().string() + "'");
+    const Outcome outcome = service.c3rt(verb + " circle_slow" + service.on_domain() + " --out '" +
+                                         disk.path().string() + "'");
     CHECK(outcome.status == 3);
-    CHECK_THAT(outcome.output, Contains("no room for logs and results in ") &&
-                                   Contains("No space left on device"));
+    CHECK_THAT(outcome.output,
+               Contains("no room for logs and results in ") && Contains("No space left on device"));
   }
   CHECK_FALSE(service.started("plant"));
 }
@@ -267,9 +274,9 @@ TEST_CASE("service: a disk that fills while the service runs is told by status")
     return;
   }
   const Service service;
-  REQUIRE(service
-              .c3rt("up circle_slow" + service.on_domain() + " --out '" + disk.path().string() + "'")
-              .status == 0);
+  REQUIRE(
+      service.c3rt("up circle_slow" + service.on_domain() + " --out '" + disk.path().string() + "'")
+          .status == 0);
   std::ofstream(disk.path() / "filler") << std::string(3000000, 'x');
   CHECK(eventually([&] {
     return service.c3rt("status" + service.on_domain()).output.find("no room is left") !=
@@ -280,12 +287,14 @@ TEST_CASE("service: a disk that fills while the service runs is told by status")
 TEST_CASE("service: without gnuplot there are no pictures, one warning, and everything else") {
   const Place place;
   fs::create_directories(place.path() / "path");
-  for (const char* tool : {"bash", "sh"}) fs::create_symlink(fs::path("/bin") / tool, place.path() / "path" / tool);
+  for (const char* tool : {"bash", "sh"})
+    fs::create_symlink(fs::path("/bin") / tool, place.path() / "path" / tool);
   const Outcome outcome = c3rt::support::outcome_of(
       "PATH='" + (place.path() / "path").string() + "'; export PATH; " +
       place.command("run cart_pole --duration 0.5 --out '" + place.out().string() + "'"));
   CHECK(outcome.status == 1);  // too short for its criterion
-  CHECK_THAT(outcome.output, Contains("c3rt: no trajectory.png: gnuplot (package gnuplot-nox) is not installed"));
+  CHECK_THAT(outcome.output,
+             Contains("c3rt: no trajectory.png: gnuplot (package gnuplot-nox) is not installed"));
   CHECK(fs::exists(place.out() / "report.json"));
   CHECK(fs::exists(place.out() / "trajectory.csv"));
 }

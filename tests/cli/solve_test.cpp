@@ -46,9 +46,9 @@ class Place {
   }
   /// What the command redirects itself is not seen here.
   Outcome run(const std::string& command) const {
-    const int status = std::system(("exec >'" + path("stdout").string() + "' 2>'" +
-                                    path("stderr").string() + "'; " + command)
-                                       .c_str());
+    const int status = std::system(
+        ("exec >'" + path("stdout").string() + "' 2>'" + path("stderr").string() + "'; " + command)
+            .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")),
             read(path("stderr"))};
   }
@@ -99,8 +99,8 @@ TEST_CASE("solve: a trace holds every iterate") {
   const Json result = Json::parse(Place().solve(traced).output);
   REQUIRE(result["iters"].size() == 4);
   for (const Json& iterate : result["iters"]) {
-    CHECK(keys(iterate) == std::vector<std::string>{"delta", "proj", "qp_dual_residual", "qp_primal_residual", "rho",
-                                                        "w", "xN", "z"});
+    CHECK(keys(iterate) == std::vector<std::string>{"delta", "proj", "qp_dual_residual",
+                                                    "qp_primal_residual", "rho", "w", "xN", "z"});
   }
   CHECK(result["iters"][3]["xN"] == result["x"][3]);
 }
@@ -242,8 +242,8 @@ TEST_CASE("solve: a convex projection that cannot be says why") {
   json["params"].update({{"Qx", {{9}}}, {"Qu", {{1}}}, {"alpha", 0.1}});
   const Outcome outcome = Place().solve(json);
   CHECK(outcome.status == 1);
-  CHECK_THAT(outcome.error, Contains("F + eps I positive semidefinite") &&
-                                Contains("smallest eigenvalue is -1"));
+  CHECK_THAT(outcome.error,
+             Contains("F + eps I positive semidefinite") && Contains("smallest eigenvalue is -1"));
 }
 
 TEST_CASE("solve: a result that does not get to standard output is not exit status 0") {
@@ -271,9 +271,8 @@ TEST_CASE("solve: --out cannot be the problem, under no name") {
   fs::create_symlink(file, place.path("link.json"));
   fs::create_hard_link(file, place.path("hard.json"));
   fs::create_directory(place.path("folder"));
-  for (const fs::path& out :
-       {file, place.path("link.json"), place.path("hard.json"),
-        place.path("folder") / ".." / "problem.json"}) {
+  for (const fs::path& out : {file, place.path("link.json"), place.path("hard.json"),
+                              place.path("folder") / ".." / "problem.json"}) {
     const Outcome outcome = place.solve_file(file, "--out '" + out.string() + "'");
     CHECK(outcome.status == 2);
     CHECK_THAT(outcome.error, Contains("--out: expected another file than the problem's"));
@@ -302,9 +301,8 @@ TEST_CASE("solve: a result file is written whole or not at all") {
   traced["params"].update({{"s", 200}, {"rho_s", 1.01}});
   std::ofstream(file) << traced.dump();
   std::ofstream(out) << "earlier";
-  const Outcome full =
-      place.run("(ulimit -f 64; trap '' XFSZ; exec " + place.command(file) + " --out '" +
-                                 out.string() + "')");
+  const Outcome full = place.run("(ulimit -f 64; trap '' XFSZ; exec " + place.command(file) +
+                                 " --out '" + out.string() + "')");
   CHECK(full.status == 3);
   CHECK_THAT(full.error, Contains("cannot write " + out.string() + ": File too large"));
   CHECK(read(out) == "earlier");

@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
     };
     if (const char* text = value("--domain="))
       settings.domain = static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
-    if (const char* text = value("--session=")) settings.session_id = std::strtoull(text, nullptr, 10);
+    if (const char* text = value("--session="))
+      settings.session_id = std::strtoull(text, nullptr, 10);
     if (const char* text = value("--dds-profile=")) settings.profile_uri = text;
   }
   const std::string name = argv[0];
@@ -53,9 +54,9 @@ int main(int argc, char** argv) {
     wire::TaskTarget target{};
     while (targets.take(target)) {
       if (process != c3rt_v1_PROCESS_PLANNER) continue;
-      status.set_state(c3rt_v1_SERVICE_RUNNING,
-                       "a stub, told target " + std::to_string(target.kind) + " with radius " +
-                           std::to_string(target.radius_m));
+      status.set_state(c3rt_v1_SERVICE_RUNNING, "a stub, told target " +
+                                                    std::to_string(target.kind) + " with radius " +
+                                                    std::to_string(target.radius_m));
       replies.answer(target.request_id, target.kind != c3rt_v1_TARGET_POINT, "of the stub",
                      rt::now_ns());
     }

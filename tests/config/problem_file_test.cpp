@@ -249,7 +249,8 @@ Json without(bool contacts, bool inputs, bool rows) {
   const Json no_columns = rows ? Json::parse("[[]]") : Json::array(), none = Json::array();
   Json& lcs = json["lcs"];
   Json& params = json["params"];
-  if (!contacts) lcs.update({{"D", no_columns}, {"E", none}, {"F", none}, {"H", none}, {"c", none}});
+  if (!contacts)
+    lcs.update({{"D", no_columns}, {"E", none}, {"F", none}, {"H", none}, {"c", none}});
   if (!inputs) {
     lcs["B"] = no_columns;
     lcs["H"] = contacts ? no_columns : none;
@@ -581,8 +582,7 @@ TEST_CASE("problem file: each way in which a projection has no point has its own
 
   Json empty = problem();
   empty["lcs"].update({{"E", {{0}}}, {"F", {{0}}}});  // y = −0.2
-  for (const auto& [projection, words] :
-       std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [projection, words] : std::vector<std::pair<std::string, std::string>>{
            {"MIQP", "the set that the projection is onto is empty"},
            {"ADMM", "the set that the projection is onto is empty: no x, u and lambda >= 0 have"},
            {"LCP", "Lemke's method finds no solution of the LCP"}}) {

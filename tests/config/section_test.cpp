@@ -10,9 +10,9 @@
 using c3rt::config::ConfigError;
 using c3rt::config::Document;
 using c3rt::config::Section;
+using c3rt::test::error_of;
 using Catch::Matchers::Contains;
 using Catch::Matchers::Equals;
-using c3rt::test::error_of;
 
 namespace {
 const char* const kText = R"(planner:

@@ -45,7 +45,8 @@ TEST_CASE("faults: a push is of finite numbers, on a ball that is there, and no 
   CHECK_THAT(refusal(push(0.5, 0.0, 0.0), kScope),
              Contains("expected an impulse of at most 0.396 N s, which gives ball 0 of 0.132 kg 3 "
                       "m/s, got 0.5"));
-  CHECK_THAT(refusal(push(0.01, 0.0, 0.0, 3), kScope), Contains("expected a ball from 0 to 1, got 3"));
+  CHECK_THAT(refusal(push(0.01, 0.0, 0.0, 3), kScope),
+             Contains("expected a ball from 0 to 1, got 3"));
   CHECK_THAT(refusal(push(0.01, 0.0, 0.0, -1), kScope), Contains("got -1"));
 }
 
@@ -79,7 +80,7 @@ TEST_CASE("faults: each process has its own kinds, and others are refused by nam
              Contains("expected none, stall or nan of planner, got push-ball"));
   CHECK_THAT(refusal(fault(c3rt_v1_PROCESS_PLANT, c3rt_v1_FAULT_LOSE_BALL), kScope),
              Contains("push-ball, drop-commands") && Contains("got lose-ball"));
-  CHECK_FALSE(refusal(fault(c3rt_v1_PROCESS_PLANT, static_cast<c3rt_v1_FaultKind>(7)), kScope)
-                  .empty());
+  CHECK_FALSE(
+      refusal(fault(c3rt_v1_PROCESS_PLANT, static_cast<c3rt_v1_FaultKind>(7)), kScope).empty());
   CHECK_FALSE(refusal(fault(c3rt_v1_PROCESS_RECORDER, c3rt_v1_FAULT_STALL), kScope).empty());
 }

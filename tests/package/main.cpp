@@ -1,5 +1,5 @@
-// What crosses the border between the package and a program with other compiler flags: matrices that
-// one side allocates and the other resizes, frees or reads, fixed-size members, virtual calls,
+// What crosses the border between the package and a program with other compiler flags: matrices
+// that one side allocates and the other resizes, frees or reads, fixed-size members, virtual calls,
 // exceptions. Prints numbers of the library alone, of which every program has to print the same:
 // first u_0 [N] of the cart-pole between soft walls with the exact projection.
 #include <cstdio>
@@ -39,8 +39,8 @@ void require(bool holds, const char* what) {
 /// Reads the library's memory as this program's vector unit does.
 bool is_readable(const MatrixXd& matrix) {
   const MatrixXd doubled = 2.0 * matrix, product = matrix * doubled.transpose();
-  return doubled.allFinite() && product.allFinite() &&
-         (doubled - matrix).isApprox(matrix) && MatrixXd(matrix).size() == matrix.size();
+  return doubled.allFinite() && product.allFinite() && (doubled - matrix).isApprox(matrix) &&
+         MatrixXd(matrix).size() == matrix.size();
 }
 
 class Still final : public example::Plant {

@@ -120,7 +120,8 @@ TEST_CASE("up to four balls start where the scenario puts them") {
 /// that it slid. [m]
 double drag(double friction) {
   Parameters parameters = test_parameters();
-  const double bottom = Plant(parameters).state().p_WE.z() - test_world().end_effector.sphere_radius;
+  const double bottom =
+      Plant(parameters).state().p_WE.z() - test_world().end_effector.sphere_radius;
   parameters.world.table_height = bottom - 2e-4;
   parameters.world.friction.end_effector_table = friction;
   Plant plant(parameters);

@@ -195,7 +195,8 @@ TEST_CASE(
   CHECK(first.numbers == second.numbers);
 }
 
-TEST_CASE("in lockstep a recovery is answered when the robot moves for good, not at the next hole") {
+TEST_CASE(
+    "in lockstep a recovery is answered when the robot moves for good, not at the next hole") {
   Child child(kScenario, {"--clock", "lockstep", "--expect", "impedance"});
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
   wire::Reader<wire::RobotState> states(bus);

@@ -93,7 +93,8 @@ void ClosedLoop::step_1ms() {
     for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
       plant_.push_ball(pushes_[pushed_].ball, pushes_[pushed_].impulse);
     plant_.step_1ms();
-    const double fastest = (state.dq.array().abs() / scenario_.plant.limits.dq_max.array()).maxCoeff();
+    const double fastest =
+        (state.dq.array().abs() / scenario_.plant.limits.dq_max.array()).maxCoeff();
     fastest_joint_ = std::max(fastest_joint_, fastest);
   }
   now_ns_ += 1'000'000;

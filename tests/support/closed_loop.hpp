@@ -87,7 +87,7 @@ class ClosedLoop {
   bool stopped_ = false;                 // the planner was told so
   bool stop_ = false, recover_ = false;  // requests to the impedance process
   double fastest_joint_ = 0.0;
-  plant::State heard_;  // the newest robot state that arrived
+  plant::State heard_;                      // the newest robot state that arrived
   std::int64_t now_ns_ = 0, state_ns_ = 0;  // state_ns_: of the newest robot state
   std::uint64_t cycle_ = 0, exposures_ = 0, plans_made_ = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// How many random instances a property test tries: few in the test suite, many with tests/properties.sh.
+// How many random instances a property test tries: few in the test suite, many with
+// tests/properties.sh.
 #include <cstdlib>
 
 namespace c3rt::test {

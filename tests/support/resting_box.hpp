@@ -1,6 +1,7 @@
 #pragma once
 // Boxes and plates on a table, with many redundant contacts: the complementarity problems of
-// Stewart and Trinkle that are hardest for a pivoting method, because nearly all of their ratios tie.
+// Stewart and Trinkle that are hardest for a pivoting method, because nearly all of their ratios
+// tie.
 #include <cmath>
 #include <vector>
 
@@ -21,9 +22,10 @@ struct ContactLcp {
 };
 
 /// A rigid body (x = position, small rotation, velocity, angular velocity; u = force at its centre)
-/// on 4 to 10 corners, at most 64 rows: flat, tilted or sunk, by rounding or more; at rest, sliding,
-/// spinning or falling; 4 or more edges of the friction cone, μ from 0 to 1.5. In the round numbers
-/// in which ties are exact, or turned about the vertical, which leaves rounding in them.
+/// on 4 to 10 corners, at most 64 rows: flat, tilted or sunk, by rounding or more; at rest,
+/// sliding, spinning or falling; 4 or more edges of the friction cone, μ from 0 to 1.5. In the
+/// round numbers in which ties are exact, or turned about the vertical, which leaves rounding in
+/// them.
 inline ContactLcp resting_box(Random& random) {
   using Eigen::Vector3d;
   using Eigen::VectorXd;
@@ -106,10 +108,10 @@ inline ContactLcp resting_box(Random& random) {
   system.q[2] = half.z() + height;
   system.N_q = system.N_q_plus = Eigen::MatrixXd::Identity(6, 6);
   system.J_f_q = system.J_f_v = Eigen::MatrixXd::Zero(6, 6);
-  const Vector3d inertia = mass / 3.0 *
-                           Vector3d(half.y() * half.y() + half.z() * half.z(),
-                                    half.x() * half.x() + half.z() * half.z(),
-                                    half.x() * half.x() + half.y() * half.y());
+  const Vector3d inertia =
+      mass / 3.0 *
+      Vector3d(half.y() * half.y() + half.z() * half.z(), half.x() * half.x() + half.z() * half.z(),
+               half.x() * half.x() + half.y() * half.y());
   system.M_inverse = Eigen::MatrixXd::Identity(6, 6) / mass;
   system.M_inverse.bottomRightCorner(3, 3) =
       turned * inertia.cwiseInverse().asDiagonal() * turned.transpose();
@@ -145,8 +147,8 @@ inline ContactLcp resting_box(Random& random) {
   const lcs::Lcs& l = problem.lcs;
   problem.F = l.F;
   problem.q = l.c + l.E * problem.x + l.H * u;
-  problem.terms = l.c.cwiseAbs() + l.E.cwiseAbs() * problem.x.cwiseAbs() +
-                  l.H.cwiseAbs() * u.cwiseAbs();
+  problem.terms =
+      l.c.cwiseAbs() + l.E.cwiseAbs() * problem.x.cwiseAbs() + l.H.cwiseAbs() * u.cwiseAbs();
   return problem;
 }
 

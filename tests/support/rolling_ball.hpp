@@ -9,8 +9,8 @@
 #include "controller/lcs/lcs.hpp"
 
 /// A C3 problem of the size and the conditioning of the single-ball task: a point mass pushes a
-/// ball that rests on a table (n_x 19, n_lambda 12, n_u 3), Stewart–Trinkle contacts, forces scaled,
-/// weights of the "after fix" column in its two phases. x = [p_E; q_B; p_B; v_E; ω_B; v_B],
+/// ball that rests on a table (n_x 19, n_lambda 12, n_u 3), Stewart–Trinkle contacts, forces
+/// scaled, weights of the "after fix" column in its two phases. x = [p_E; q_B; p_B; v_E; ω_B; v_B],
 /// λ = [γ (2); normal (2); tangential (4 each)]; contact 0 is point–ball, 1 ball–table.
 namespace rolling_ball {
 

@@ -16,8 +16,8 @@ class SmallDisk {
     std::string name = (std::filesystem::temp_directory_path() / "c3rt-disk-XXXXXX").string();
     path_ = mkdtemp(name.data());
     // a namespace of our own, so that nobody else sees the mount, and it ends with the process
-    static const bool own = unshare(CLONE_NEWNS) == 0 &&
-                            mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
+    static const bool own =
+        unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
     const std::string options = std::string("size=") + size;
     mounted_ = own && mount("c3rt-test", path_.c_str(), "tmpfs", 0, options.c_str()) == 0;
   }

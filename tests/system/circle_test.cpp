@@ -128,11 +128,11 @@ TEST_CASE("system: a run that misses a criterion ends with status 1, and says wh
 TEST_CASE("system: a robot that stopped and that nobody recovers ends the run, by name") {
   // stiff and without damping the arm swings up until it is too fast for the robot
   const Run stopped =
-      run("reflex",
-          {"circle_slow", "--duration", "20", "--set", "planner.approach.leash_m=1", "--set", "impedance.limits.reference_speed_m_per_s=2",
-           "--set", "impedance.limits.dq_max_rad_per_s=[10, 10, 10, 10, 10, 10, 10]", "--set",
-           "impedance.gains.stiffness_translation_per_s2=5000", "--set",
-           "impedance.gains.damping_translation_per_s=0"});
+      run("reflex", {"circle_slow", "--duration", "20", "--set", "planner.approach.leash_m=1",
+                     "--set", "impedance.limits.reference_speed_m_per_s=2", "--set",
+                     "impedance.limits.dq_max_rad_per_s=[10, 10, 10, 10, 10, 10, 10]", "--set",
+                     "impedance.gains.stiffness_translation_per_s2=5000", "--set",
+                     "impedance.gains.damping_translation_per_s=0"});
   CHECK(stopped.status == 1);
   const std::string result = stopped.report.at("result");
   CHECK_THAT(result, Catch::Contains("the robot stopped: joint_velocity_violation"));

@@ -37,11 +37,11 @@ bool runs_on(test::ClosedLoop& loop, double seconds) {
     loop.step_1ms();
     if (!stopped(loop)) continue;
     const plant::State& state = loop.plant().state();
-    UNSCOPED_INFO(plant::names(state.errors) << " at " << loop.time() << " s, end effector "
-                                             << state.p_WE.transpose() << " m, joints "
-                                             << state.dq.transpose() << " rad/s, reference "
-                                             << loop.output().p_WE_desired.transpose() << " m, "
-                                             << loop.output().v_WE_desired.transpose() << " m/s");
+    UNSCOPED_INFO(plant::names(state.errors)
+                  << " at " << loop.time() << " s, end effector " << state.p_WE.transpose()
+                  << " m, joints " << state.dq.transpose() << " rad/s, reference "
+                  << loop.output().p_WE_desired.transpose() << " m, "
+                  << loop.output().v_WE_desired.transpose() << " m/s");
     return false;
   }
   return true;
@@ -129,7 +129,8 @@ TEST_CASE("recovery: a planner, a vision or an impedance process that is started
   }
 }
 
-TEST_CASE("recovery: an impedance process that stalls, too short and long enough for the robot to stop") {
+TEST_CASE(
+    "recovery: an impedance process that stalls, too short and long enough for the robot to stop") {
   test::ClosedLoop loop(scenario("circle_slow"), 4);
   REQUIRE(runs_on(loop, 0.5));
   for (int i = 0; i < kTimes; ++i) {
@@ -183,7 +184,8 @@ TEST_CASE("recovery: a plant that stalls, and robot states that are not finite")
   }
 }
 
-TEST_CASE("recovery: robot states that do not arrive for a while, too short and long enough to stop") {
+TEST_CASE(
+    "recovery: robot states that do not arrive for a while, too short and long enough to stop") {
   for (const char* name : {"circle_slow", "circle_fast"}) {
     CAPTURE(name);
     test::ClosedLoop loop(scenario(name), 5);
@@ -228,7 +230,8 @@ TEST_CASE("recovery: robot states that do not arrive for 0.1 s, whatever the arm
 TEST_CASE("recovery: every process may start late, in any order") {
   for (int i = 0; i < kTimes; ++i) {
     CAPTURE(i);
-    test::ClosedLoop loop(scenario(i % 2 == 0 ? "circle_slow" : "circle_fast"), 100 + static_cast<std::uint64_t>(i));
+    test::ClosedLoop loop(scenario(i % 2 == 0 ? "circle_slow" : "circle_fast"),
+                          100 + static_cast<std::uint64_t>(i));
     support::Random random(static_cast<unsigned>(i));
     double start[3];
     for (double& time : start) time = random.uniform(0.0, i % 4 == 0 ? 5.0 : 0.6);

@@ -132,14 +132,16 @@ class Service {
   std::string target(c3rt_v1_TargetKind kind) {
     wire::TaskTarget target{};
     target.kind = kind;
-    return question(target, [this](wire::TaskTarget& asked) { targets_->write(asked, rt::now_ns()); });
+    return question(target,
+                    [this](wire::TaskTarget& asked) { targets_->write(asked, rt::now_ns()); });
   }
   std::string inject(wire::Process process, c3rt_v1_FaultKind kind, double seconds) {
     wire::FaultInject fault{};
     fault.process = process;
     fault.kind = kind;
     fault.duration_s = seconds;
-    return question(fault, [this](wire::FaultInject& asked) { faults_->write(asked, rt::now_ns()); });
+    return question(fault,
+                    [this](wire::FaultInject& asked) { faults_->write(asked, rt::now_ns()); });
   }
 
   const wire::RobotState& state() const { return state_; }

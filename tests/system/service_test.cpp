@@ -1,5 +1,7 @@
 // The service with its real processes in lockstep: stopped, stalled and spoilt again and again, the
 // robot never ends in a reflex and goes on; a ball that was let go meanwhile is taken up again.
+#include "tests/system/service.hpp"
+
 #include <algorithm>
 #include <cstdio>
 #include <optional>
@@ -10,7 +12,6 @@
 
 #include "plant_emulator/errors.hpp"
 #include "tests/idl/raw_writer.hpp"
-#include "tests/system/service.hpp"
 
 using namespace c3rt;
 
@@ -72,7 +73,9 @@ TEST_CASE("service: twenty stalls and spoilt states of each kind, and never a re
   CHECK(service.counter(c3rt_v1_PROCESS_PLANT, "lost_commands") == 0);
 }
 
-TEST_CASE("service: states or commands that are missing for longer stop the robot, and it goes on alone") {
+TEST_CASE(
+    "service: states or commands that are missing for longer stop the robot, and it goes on "
+    "alone") {
   test::Service service("circle_service", kLockstep);
   REQUIRE(service.until([&] { return service.tracks(); }, 5.0));
   for (int i = 0; i < kTimes; ++i) {
@@ -98,7 +101,8 @@ TEST_CASE("service: cycles that are missed on the way to the ball, and a hold: n
     REQUIRE(service.until([&] { return service.tracks(); }, 10.0));
     service.run(0.03 * i);
     // fewer than stop the robot
-    REQUIRE(service.inject(c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_FAULT_STALL, 0.001 * (1 + i % 19)) == "");
+    REQUIRE(service.inject(c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_FAULT_STALL, 0.001 * (1 + i % 19)) ==
+            "");
     REQUIRE(service.target(i % 2 == 0 ? c3rt_v1_TARGET_HOLD : c3rt_v1_TARGET_SCENARIO) == "");
     service.run(0.3);
     INFO(service.text(c3rt_v1_PROCESS_PLANT));
@@ -122,8 +126,8 @@ void takes_up_the_ball(wire::ClockMode clock, int times) {
       // the table's resistance stops it near by, and the arm comes back to it
       REQUIRE(service.until([&] { return service.ball_speed() < 1e-3; }, 10.0));
       const Eigen::Vector3d left = service.p_WB();
-      REQUIRE(service.until(
-          [&] { return rolls() && (service.p_WB() - left).norm() > 0.01; }, 30.0));
+      REQUIRE(
+          service.until([&] { return rolls() && (service.p_WB() - left).norm() > 0.01; }, 30.0));
     }
   }
   CHECK(reflexes(service) == 0);
@@ -142,11 +146,13 @@ TEST_CASE("service: the same in real time, ten times each", "[.realtime]") {
 TEST_CASE("service: each cause of holding has its own words") {
   test::Service service("circle_service", kLockstep);
   const auto says = [&](wire::Process process, const std::string& words) {
-    return service.until([&] { return service.text(process).find(words) != std::string::npos; }, 8.0);
+    return service.until([&] { return service.text(process).find(words) != std::string::npos; },
+                         8.0);
   };
   REQUIRE(says(c3rt_v1_PROCESS_PLANNER, "approach"));
   REQUIRE(service.inject(c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_STALL, 4.0) == "");
-  CHECK(says(c3rt_v1_PROCESS_PLANNER, "holding: vision is silent: the last estimate of ball 0 is "));
+  CHECK(
+      says(c3rt_v1_PROCESS_PLANNER, "holding: vision is silent: the last estimate of ball 0 is "));
   REQUIRE(service.inject(c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_LOSE_BALL, 4.0) == "");
   CHECK(says(c3rt_v1_PROCESS_PLANNER, "holding: ball 0 is not in view since "));
   CHECK(says(c3rt_v1_PROCESS_PLANNER, "approach"));
@@ -158,7 +164,8 @@ TEST_CASE("service: each cause of holding has its own words") {
   REQUIRE(service.ask(c3rt_v1_REQUEST_STOP) == "");
   CHECK(says(c3rt_v1_PROCESS_PLANNER, "stopped by a person; recover ends it"));
   CHECK(says(c3rt_v1_PROCESS_PLANT, "stopped by a person; request recover"));
-  CHECK(says(c3rt_v1_PROCESS_IMPEDANCE, "stopped: a stop was requested; damps until a recovery is requested"));
+  CHECK(says(c3rt_v1_PROCESS_IMPEDANCE,
+             "stopped: a stop was requested; damps until a recovery is requested"));
 }
 
 TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest, and it goes on") {
@@ -184,11 +191,13 @@ TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest
   CHECK(reflexes(service) == 0);
 }
 
-TEST_CASE("service: targets and faults end with 0 taken, 1 refused by a process, 2 wrong in itself") {
+TEST_CASE(
+    "service: targets and faults end with 0 taken, 1 refused by a process, 2 wrong in itself") {
   test::Service service("circle_service", kLockstep);
   struct Case {
     const char* arguments;
-    int own, foreign;  // exit status: of who started it, of another user, whose command knows no scenario
+    int own, foreign;  // exit status: of who started it, of another user, whose command knows no
+                       // scenario
     const char* says;
   };
   for (const Case& c : std::vector<Case>{
@@ -212,7 +221,8 @@ TEST_CASE("service: targets and faults end with 0 taken, 1 refused by a process,
     CAPTURE(c.arguments);
     for (const bool own : {true, false}) {
       CAPTURE(own);
-      const support::Outcome outcome = own ? service.c3rt(c.arguments) : service.stranger(c.arguments);
+      const support::Outcome outcome =
+          own ? service.c3rt(c.arguments) : service.stranger(c.arguments);
       CHECK(outcome.status == (own ? c.own : c.foreign));
       CHECK_THAT(outcome.output, Catch::Contains(c.says));
     }
@@ -220,7 +230,8 @@ TEST_CASE("service: targets and faults end with 0 taken, 1 refused by a process,
   CHECK(reflexes(service) == 0);
 }
 
-TEST_CASE("service: a target with an old number or of another session is refused, counted and answered") {
+TEST_CASE(
+    "service: a target with an old number or of another session is refused, counted and answered") {
   test::Service service("circle_service", kLockstep);
   wire::test::RawWriter targets(service.bus(), wire::topic<wire::TaskTarget>());
   REQUIRE(service.until([&] { return targets.matched(); }, 10.0));
@@ -231,7 +242,8 @@ TEST_CASE("service: a target with an old number or of another session is refused
   const auto send = [&](std::uint64_t session, std::uint64_t seq) {
     wire::TaskTarget target{};
     target.kind = c3rt_v1_TARGET_SCENARIO;
-    return service.question(target, [&](const wire::TaskTarget& asked) { targets.write(asked, session, seq); });
+    return service.question(
+        target, [&](const wire::TaskTarget& asked) { targets.write(asked, session, seq); });
   };
   CHECK(send(0, 7) == "");
   CHECK_THAT(send(0, 3), Catch::Contains("planner: refused: ") && Catch::Contains("sequence"));
@@ -246,7 +258,8 @@ TEST_CASE("service: a target with an old number or of another session is refused
   CHECK(send(0, 9) == "");
 }
 
-TEST_CASE("service: each process is killed ten times, and the task goes on within 3 s", "[.realtime]") {
+TEST_CASE("service: each process is killed ten times, and the task goes on within 3 s",
+          "[.realtime]") {
   // by hand: the machine decides how long it takes. One of them: -c impedance
   for (const wire::Process process : {c3rt_v1_PROCESS_PLANNER, c3rt_v1_PROCESS_VISION,
                                       c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANT}) {

@@ -299,7 +299,8 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
   const Hand vision("c3rt-vision");
   CHECK(audience.eventually(
       [&] {
-        const auto second = audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer");
+        const auto second =
+            audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer");
         return second && second->count > 20;
       },
       [&] { see([](wire::BallEstimate& e) { e.p_WB_m[0] = 0.4; }); }));

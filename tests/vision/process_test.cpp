@@ -220,19 +220,20 @@ TEST_CASE(
     balls +=
         std::string("    - {position_m: [0.65, ") + y + "], radius_m: 0.0315, mass_kg: 0.132}\n";
   }
-  Child child(camera_scenario({{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132, "
-                                "start_spread_m: 0.01}\n",
-                                balls},
-                               {"friction_table: 1.0", "friction_balls: 1.0"},
-                               {" ball_z: 0,", ""},
-                               {" ball_z: 1,", ""},
-                               {"table_normal", "balls_normal"},
-                               {"table_tangential", "balls_tangential"},
-                               {"ball_table: true", "ball_ball: true"},
-                               {"    return_back_m:",
-                                "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
-                                "    room_ahead_m: 0\n    return_back_m:"}}),
-              "lockstep");
+  Child child(
+      camera_scenario({{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132, "
+                        "start_spread_m: 0.01}\n",
+                        balls},
+                       {"friction_table: 1.0", "friction_balls: 1.0"},
+                       {" ball_z: 0,", ""},
+                       {" ball_z: 1,", ""},
+                       {"table_normal", "balls_normal"},
+                       {"table_tangential", "balls_tangential"},
+                       {"ball_table: true", "ball_ball: true"},
+                       {"    return_back_m:",
+                        "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
+                        "    room_ahead_m: 0\n    return_back_m:"}}),
+      "lockstep");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
   wire::Reader<wire::BallEstimate> estimates(bus, 64);

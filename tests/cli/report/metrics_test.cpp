@@ -1,12 +1,13 @@
 // Synthetic runs whose figures are known in closed form.
 #include "cli/report/metrics.hpp"
-#include "controller/task/circle.hpp"
-#include "controller/task/line.hpp"
-#include "controller/task/path.hpp"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
+
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
 
 namespace {
 
@@ -146,10 +147,10 @@ namespace {
 /// A straight path there and back at 0.02 m/s, 0.02 m a way-point, and a ball that follows it
 /// `late` seconds late; 10 ms per row, the task begins after 3 s.
 const c3rt::task::Path kThereAndBack{{{0.5, 0.0}, {0.52, 0.0}, {0.54, 0.0}, {0.52, 0.0}},
-                                            1.0,
-                                            c3rt::task::Between::kInterpolate,
-                                            0.0,
-                                            true};
+                                     1.0,
+                                     c3rt::task::Between::kInterpolate,
+                                     0.0,
+                                     true};
 Series follower(double late, double duration) {
   Series series;
   series.plan.push_back({3'020 * kMs, 3'000 * kMs, 0, true, false, false, 0.001});

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/report/pictures.hpp"
-#include "tests/cli/folder.hpp"
 #include "controller/task/circle.hpp"
+#include "tests/cli/folder.hpp"
 
 namespace {
 
@@ -35,9 +35,9 @@ TEST_CASE("the report has exactly the keys that other programs read") {
                               "latency", "plant", "log_hash"});
   const Names quantiles{"p50", "p95", "p99", "max"};
   REQUIRE(keys(json["criteria"][0]) == Names{"name", "value", "limit", "met"});
-  REQUIRE(keys(json["ball"][0]) ==
-          Names{"rms_error_m", "p95_error_m", "max_error_m", "in_band_2cm", "in_band_1cm", "arrived_after_s",
-                "arrival_error_m", "end_error_m"});
+  REQUIRE(keys(json["ball"][0]) == Names{"rms_error_m", "p95_error_m", "max_error_m", "in_band_2cm",
+                                         "in_band_1cm", "arrived_after_s", "arrival_error_m",
+                                         "end_error_m"});
   REQUIRE(keys(json["end_effector"]) == Names{"tracking_error_m", "approach_error_m"});
   REQUIRE(keys(json["end_effector"]["tracking_error_m"]) == quantiles);
   REQUIRE(keys(json["planner"]) == Names{"rate_hz", "solve_time_s", "overruns", "fallbacks"});

@@ -49,7 +49,8 @@ TEST_CASE("no inputs are better than those of the monolithic problem, where it i
   CHECK(best.costs[0] <= c3.costs[0] * (1.0 + 2e-4));  // the gap that it is proven to
   CHECK(best.costs[0] > 0.0);
   // it beats doing nothing by far: the ball is brought along
-  const double left_alone = (scenario.planner.N + 1) * scenario.planner.roll.Q.at("ball_xy")[0] * 4e-4;
+  const double left_alone =
+      (scenario.planner.N + 1) * scenario.planner.roll.Q.at("ball_xy")[0] * 4e-4;
   CHECK(best.costs[0] < 0.9 * left_alone);
 }
 

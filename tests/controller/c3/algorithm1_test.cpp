@@ -242,7 +242,8 @@ TEST_CASE("solver: any number of threads gives the same bits") {
       REQUIRE(solution.status == SolveStatus::kOk);
       if (workers == 1) z = solution.z;
       CHECK(solution.z == z);
-      // the ball's F is not semidefinite, and its LCP without solution where the QP pulls at contacts
+      // the ball's F is not semidefinite, and its LCP without solution where the QP pulls at
+      // contacts
       if (kind == ProjectionKind::kConvex || kind == ProjectionKind::kLcp) continue;
       Solver ball_solver(rolling_ball::sizes(), with, parallel);
       Costs costs = rolling_ball::costs(rolling_ball::Phase::kRoll);

@@ -59,7 +59,7 @@ struct Case {
   }
 
   c3rt::c3::Settings settings(c3rt::c3::QpBackend qp) const {
-    c3rt::c3::Settings made{s,      rho,     rho_scale, qp, {20000, 1e-10, 0.1, 50, true},
+    c3rt::c3::Settings made{s,      rho,     rho_scale,         qp, {20000, 1e-10, 0.1, 50, true},
                             kind(), 1 << 12, delta_starts_at_x0};
     made.project_last = true;  // as the reference does
     made.fix_lambda_0 = fixes_lambda_0;
@@ -121,9 +121,8 @@ inline std::vector<Case> load(const std::string& example) {
       for (int k = 0; k < c.sizes.N; ++k) {
         const Json& projection = i["proj"][k];
         if (c.projection == "LCP") {
-          iteration.unique_lambda =
-              iteration.unique_lambda && projection["n_isolated"] == 1 &&
-              projection["n_singular_sets"] == 0;
+          iteration.unique_lambda = iteration.unique_lambda && projection["n_isolated"] == 1 &&
+                                    projection["n_singular_sets"] == 0;
         } else if (c.projection == "MIQP") {
           iteration.objective[k] = projection["obj"];
           if (!projection["margin"].is_null()) iteration.margin[k] = projection["margin"];

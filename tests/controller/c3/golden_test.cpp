@@ -111,8 +111,7 @@ TEST_CASE("golden: the MIQP projection is the reference's, from the same z and w
           CAPTURE(c.id, i, k, report.nodes, reference.margin[k]);
           CHECK(report.status == ProjectionStatus::kSolved);
           // the kept digits of z (12) limit what can be asked of small objectives
-          CHECK(report.objective ==
-                Approx(reference.objective[k]).epsilon(1e-7).margin(1e-8));
+          CHECK(report.objective == Approx(reference.objective[k]).epsilon(1e-7).margin(1e-8));
           ++all;
           if (reference.margin[k] < kMargin) continue;
           CHECK(distance(delta, reference.delta.col(k)) < 1e-6);

@@ -57,8 +57,8 @@ TEST_CASE("node QP: all pairs pinned at once or one by one is the same, and boun
     const VectorXd x = rolling_ball::state(random.uniform(-0.002, 0.01), random.uniform(-0.3, 0.3));
     const lcs::Lcs lcs = rolling_ball::lcs(x);
     VectorXd v(34), delta(34);
-    v << x + 0.02 * random.vector(19),
-        1000.0 * random.vector(12) + VectorXd::Constant(12, 500.0), random.vector(3);
+    v << x + 0.02 * random.vector(19), 1000.0 * random.vector(12) + VectorXd::Constant(12, 500.0),
+        random.vector(3);
     const Rows r = rows(lcs, weight, v);
     double best = kInfinity;
     NodeQp at_once(34, 24), one_by_one(34, 24);

@@ -22,7 +22,7 @@ Costs good_costs() {
 }
 
 Settings good_settings() {
-  return {3, 0.1, 2.0, QpBackend::kDirect, {1000, 1e-6, 0.1, 50, false}, ProjectionKind::kMiqp,
+  return {3,   0.1,  2.0, QpBackend::kDirect, {1000, 1e-6, 0.1, 50, false}, ProjectionKind::kMiqp,
           100, false};
 }
 
@@ -32,10 +32,12 @@ TEST_CASE("costs: a wrong shape is refused by name, with what was expected") {
   Costs costs = good_costs();
   REQUIRE_NOTHROW(check(costs, kSizes, ProjectionKind::kMiqp));
   costs.U = MatrixXd::Identity(3, 3);
-  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp), Equals("Costs.U: expected 4 x 4, got 3 x 3"));
+  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp),
+                      Equals("Costs.U: expected 4 x 4, got 3 x 3"));
   costs = good_costs();
   costs.R = MatrixXd::Identity(2, 2);
-  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp), Equals("Costs.R: expected 1 x 1, got 2 x 2"));
+  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp),
+                      Equals("Costs.R: expected 1 x 1, got 2 x 2"));
 }
 
 TEST_CASE("costs: NaN, asymmetric and indefinite weights are refused by name") {
@@ -64,10 +66,12 @@ TEST_CASE("costs: a force without weight is refused, an input that R weighs is n
   costs.G[0](3, 3) = 0.0;
   REQUIRE_NOTHROW(check(costs, kSizes, ProjectionKind::kMiqp));
   costs.R[0](0, 0) = 0.0;
-  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp), Contains("Costs.G: expected a positive definite"));
+  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp),
+                      Contains("Costs.G: expected a positive definite"));
   costs = good_costs();
   costs.G[0](2, 2) = 0.0;
-  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp), Contains("Costs.G: expected a positive definite"));
+  REQUIRE_THROWS_WITH(check(costs, kSizes, ProjectionKind::kMiqp),
+                      Contains("Costs.G: expected a positive definite"));
 }
 
 TEST_CASE("bounds: wrong length, NaN and crossed limits are refused by name") {
@@ -83,8 +87,9 @@ TEST_CASE("bounds: wrong length, NaN and crossed limits are refused by name") {
   bounds = {};
   bounds.x_min = VectorXd::Constant(2, 1.0);
   bounds.x_max = VectorXd::Constant(2, 0.5);
-  REQUIRE_THROWS_WITH(check(bounds, kSizes),
-                      Equals("Constraints.x_min[0]: expected at most Constraints.x_max = 0.5, got 1"));
+  REQUIRE_THROWS_WITH(
+      check(bounds, kSizes),
+      Equals("Constraints.x_min[0]: expected at most Constraints.x_max = 0.5, got 1"));
 }
 
 TEST_CASE("sizes and settings: what cannot be is refused by name") {

@@ -258,7 +258,8 @@ inline int solve_semidefinite(QuadMatrix S, std::vector<Quad> b, const std::vect
 
 /// The solution of the whole KKT system, in quadruple precision, with the rows as equalities that
 /// hold with equality (to 1e-7) at a claimed answer; and how far that is from being optimal: by the
-/// signs of the multipliers of those rows, where they are unique, and by the violation of the others.
+/// signs of the multipliers of those rows, where they are unique, and by the violation of the
+/// others.
 struct Reference {
   MatrixXd z;
   VectorXd x_N;

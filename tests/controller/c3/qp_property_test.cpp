@@ -37,10 +37,19 @@ Problem some_problem(support::Random& random, int longest) {
       if (random.index(3) == 0) m->data()[i] = 0.0;
     }
   }
-  Problem p{s, std::vector<lcs::Lcs>(s.N, lcs), {}, {}, 0.3, random.vector(s.n_x),
-            random.matrix(s.n_x, s.N + 1), {}};
-  p.costs = {definite(random, s.n_x), definite(random, s.n_x), definite(random, s.n_u),
-             definite(random, s.n_z()), {}};
+  Problem p{s,
+            std::vector<lcs::Lcs>(s.N, lcs),
+            {},
+            {},
+            0.3,
+            random.vector(s.n_x),
+            random.matrix(s.n_x, s.N + 1),
+            {}};
+  p.costs = {definite(random, s.n_x),
+             definite(random, s.n_x),
+             definite(random, s.n_u),
+             definite(random, s.n_z()),
+             {}};
   consensus(p, random.matrix(s.n_z(), s.N));
   return p;
 }
@@ -210,8 +219,7 @@ TEST_CASE("QP steps: an end just inside or just outside of what bounded inputs r
     for (const Named& named : constrained_steps(s)) {
       const Answer answer = solve(*named.qp, p);
       CAPTURE(seed, named.name, inside, margin, limit, static_cast<int>(answer.report.status),
-              answer.report.iterations, answer.report.primal_residual,
-              answer.report.dual_residual);
+              answer.report.iterations, answer.report.primal_residual, answer.report.dual_residual);
       CHECK(answer.report.status == (inside ? QpStatus::kSolved : QpStatus::kInfeasible));
       if (answer.report.status == QpStatus::kSolved) check_solved(p, answer, named.tolerance);
     }
@@ -252,10 +260,19 @@ Problem unstable(support::Random& random, double radius, int N, bool controllabl
     lcs.B = basis * B;
     lcs.D = basis * D;
   }
-  Problem p{s, std::vector<lcs::Lcs>(s.N, lcs), {}, {}, 0.1, random.vector(s.n_x),
-            0.1 * random.matrix(s.n_x, s.N + 1), {}};
-  p.costs = {definite(random, s.n_x), definite(random, s.n_x), definite(random, s.n_u),
-             definite(random, s.n_z()), {}};
+  Problem p{s,
+            std::vector<lcs::Lcs>(s.N, lcs),
+            {},
+            {},
+            0.1,
+            random.vector(s.n_x),
+            0.1 * random.matrix(s.n_x, s.N + 1),
+            {}};
+  p.costs = {definite(random, s.n_x),
+             definite(random, s.n_x),
+             definite(random, s.n_u),
+             definite(random, s.n_z()),
+             {}};
   consensus(p, 0.1 * random.matrix(s.n_z(), s.N));
   return p;
 }
@@ -273,8 +290,7 @@ TEST_CASE("QP steps: unstable systems over long horizons are the KKT system's so
     const Answer direct = solve(*make_direct_qp(p.sizes), p);
     const auto check = [&](const char* name, const Answer& answer, double tolerance) {
       CAPTURE(seed, name, radius, p.sizes.n_x, p.sizes.N, static_cast<int>(answer.report.status),
-              answer.report.iterations, answer.report.primal_residual,
-              answer.report.dual_residual);
+              answer.report.iterations, answer.report.primal_residual, answer.report.dual_residual);
       if (answer.report.status == QpStatus::kSolved) {
         CHECK(error(p, answer, expected) < tolerance);
       }
@@ -374,7 +390,8 @@ TEST_CASE("QP steps: what OSQP calls solved or infeasible the interior point cal
             ours.report.iterations, osqp.report.iterations, ours.report.primal_residual,
             ours.report.dual_residual, osqp.report.primal_residual, osqp.report.dual_residual);
     if (ours.report.status == QpStatus::kNotConverged) {
-      // rows that all but contradict each other: met, if at all, by inputs that are out of all measure
+      // rows that all but contradict each other: met, if at all, by inputs that are out of all
+      // measure
       CHECK(ours.z.bottomRows(s.n_lambda + s.n_u).cwiseAbs().maxCoeff() > 1e4 * far);
       ++failed;
       continue;

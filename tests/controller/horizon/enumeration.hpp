@@ -17,8 +17,8 @@ using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
 /// The best plan's cost, or nothing if no plan meets the problem. A minimiser makes some of λ and y
-/// zero (of each pair one, or both) and some bounds tight, and is then the solution of the KKT system
-/// of these equalities alone; where it is not the only minimiser, one at a vertex is. So all
+/// zero (of each pair one, or both) and some bounds tight, and is then the solution of the KKT
+/// system of these equalities alone; where it is not the only minimiser, one at a vertex is. So all
 /// 3^(N n_lambda) times the combinations of bounds are tried, and the cheapest solution that meets
 /// everything is the optimum.
 inline std::optional<Real> optimum(const c3rt::horizon::Problem& problem) {
@@ -69,8 +69,7 @@ inline std::optional<Real> optimum(const c3rt::horizon::Problem& problem) {
     pairs.middleRows(k * n_lambda, n_lambda) = L;
     pairs.middleRows(n_pairs + k * n_lambda, n_lambda) =
         lcs.E.cast<Real>() * X + lcs.F.cast<Real>() * L + lcs.H.cast<Real>() * U;
-    offsets.segment(n_pairs + k * n_lambda, n_lambda) =
-        lcs.E.cast<Real>() * x + lcs.c.cast<Real>();
+    offsets.segment(n_pairs + k * n_lambda, n_lambda) = lcs.E.cast<Real>() * x + lcs.c.cast<Real>();
     if (k > 0) bounds(X, x, constraints.x_min[k], constraints.x_max[k]);
     bounds(U, Vector::Zero(n_u), constraints.u_min[k], constraints.u_max[k]);
     bounds(L, Vector::Zero(n_lambda), constraints.lambda_min[k], constraints.lambda_max[k]);

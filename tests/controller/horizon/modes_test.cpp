@@ -87,7 +87,8 @@ TEST_CASE("the condensed cost and rows are those of the simulated trajectory") {
   const Eigen::VectorXd s = condensed.J * v + condensed.c;
   REQUIRE(s.size() == static_cast<Eigen::Index>(expected.size()));
   const Eigen::VectorXd of_plan = Eigen::Map<Eigen::VectorXd>(expected.data(), s.size());
-  CHECK((s - of_plan).lpNorm<Eigen::Infinity>() < 1e-11 * (1.0 + of_plan.lpNorm<Eigen::Infinity>()));
+  CHECK((s - of_plan).lpNorm<Eigen::Infinity>() <
+        1e-11 * (1.0 + of_plan.lpNorm<Eigen::Infinity>()));
 }
 
 TEST_CASE("feedback keeps an unstable system's condensed problem from growing with the horizon") {
@@ -119,8 +120,12 @@ TEST_CASE("the plan of given modes of an unstable system meets them over a long 
       gain = 0.5 * P * 2.0 / (0.1 + 0.25 * P);
       P = 1.0 + 4.0 * P - gain * gain * (0.1 + 0.25 * P);
     }
-    const horizon::Problem problem{{1, 1, 1, N}, {&system, 0}, &costs, &none,
-                                   Eigen::MatrixXd::Zero(1, N + 1), Eigen::VectorXd::Ones(1)};
+    const horizon::Problem problem{{1, 1, 1, N},
+                                   {&system, 0},
+                                   &costs,
+                                   &none,
+                                   Eigen::MatrixXd::Zero(1, N + 1),
+                                   Eigen::VectorXd::Ones(1)};
     const auto plan = horizon::solve_modes(problem, enumerate(0, N));
     REQUIRE(plan);
     CHECK(plan->objective == Approx(P).epsilon(1e-10));
@@ -201,8 +206,7 @@ TEST_CASE("an equality among the constraints is met") {
   REQUIRE(condensed.equalities.size() == 1);
   int met = 0;
   for (unsigned mode = 0; mode < 64; ++mode) {
-    const auto plan =
-        horizon::solve_modes(example.problem, enumerate(mode, condensed.n_pairs));
+    const auto plan = horizon::solve_modes(example.problem, enumerate(mode, condensed.n_pairs));
     if (!plan) continue;
     ++met;
     CHECK(plan->x(0, 3) == Approx(0.1).margin(1e-9));

@@ -32,10 +32,10 @@ class Instance {
     const int n_u = 1 + random_.index(2);
     const int pairs = kind == Kind::kTight ? 3 : kind == Kind::kFree ? 4 : 6;
     const int N = std::max(1, pairs / n_lambda);
-    lcs = {random_.matrix(n_x, n_x),      random_.matrix(n_x, n_u), random_.matrix(n_x, n_lambda),
-           0.3 * random_.vector(n_x),     random_.matrix(n_lambda, n_x),
-           random_.matrix(n_lambda, n_lambda), random_.matrix(n_lambda, n_u),
-           random_.vector(n_lambda)};
+    lcs = {random_.matrix(n_x, n_x),      random_.matrix(n_x, n_u),
+           random_.matrix(n_x, n_lambda), 0.3 * random_.vector(n_x),
+           random_.matrix(n_lambda, n_x), random_.matrix(n_lambda, n_lambda),
+           random_.matrix(n_lambda, n_u), random_.vector(n_lambda)};
     lcs.F = (lcs.F * lcs.F.transpose() + 0.3 * random_.matrix(n_lambda, n_lambda)).eval();
     if (random_.index(2) == 0) lcs.H.setZero();
     if (unstable) lcs.A += (random_.index(2) == 0 ? 2.0 : -2.0) * MatrixXd::Identity(n_x, n_x);
@@ -158,8 +158,7 @@ TEST_CASE("search: the units of forces do not matter") {
     const horizon::SearchResult one = search(instance), other = search(instance.scaled(s));
     CHECK(one.status == other.status);
     if (one.is_proven() && other.is_proven())
-      CHECK(one.plan->objective ==
-            Approx(other.plan->objective).epsilon(2.2 * kGap).margin(1e-12));
+      CHECK(one.plan->objective == Approx(other.plan->objective).epsilon(2.2 * kGap).margin(1e-12));
   }
 }
 
@@ -187,8 +186,12 @@ TEST_CASE("search: over a long horizon of an unstable system no feedback policy 
     const c3::Constraints none;
     const int N = 12 + random.index(25);
     const double x0 = random.uniform();
-    const horizon::Problem problem{{1, 1, 1, N}, {&system, 0}, &costs, &none,
-                                   MatrixXd::Zero(1, N + 1), VectorXd::Constant(1, x0)};
+    const horizon::Problem problem{{1, 1, 1, N},
+                                   {&system, 0},
+                                   &costs,
+                                   &none,
+                                   MatrixXd::Zero(1, N + 1),
+                                   VectorXd::Constant(1, x0)};
     const horizon::SearchResult result = horizon::search(problem, {3000, 1e-4});
     REQUIRE(result.plan);
     proven += result.is_proven() ? 1 : 0;

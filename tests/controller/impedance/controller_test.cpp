@@ -525,7 +525,8 @@ TEST_CASE("controller: whatever numbers arrive, the torque is finite and within 
   }
 }
 
-TEST_CASE("controller: whatever a plan asks, the reference never leads the arm by more than its limit") {
+TEST_CASE(
+    "controller: whatever a plan asks, the reference never leads the arm by more than its limit") {
   const Parameters p = parameters();
   const double farthest = p.limits.lead_acceleration / p.gains.stiffness[0];
   const double jumps[] = {0.005, 0.02, 0.1, 1.0};
@@ -543,7 +544,8 @@ TEST_CASE("controller: whatever a plan asks, the reference never leads the arm b
       if (k == 1) continue;
       REQUIRE((output.p_WE_desired - here).norm() <= farthest + 1e-12);
       REQUIRE(output.v_WE_desired.norm() <= p.limits.plan_speed + 1e-12);
-      REQUIRE((output.v_WE_desired - v_before).norm() <= p.limits.plan_acceleration * p.period + 1e-12);
+      REQUIRE((output.v_WE_desired - v_before).norm() <=
+              p.limits.plan_acceleration * p.period + 1e-12);
       REQUIRE((loop.dq.array().abs() < 0.9 * p.limits.dq_max.array()).all());
       v_before = output.v_WE_desired;
     }
@@ -558,7 +560,8 @@ TEST_CASE("controller: ordinary plans are tracked as they are") {
   for (int k = 1; k <= 500; ++k) {
     if (k % 5 == 1) {
       const Vector3d v(0, 0.15 * std::min(1.0, k / 50.0), 0);
-      give_plan(input, (k > 1 ? Vector3d(loop.state.X_WE.translation()) : kStart) + 0.005 * v, k * kMs);
+      give_plan(input, (k > 1 ? Vector3d(loop.state.X_WE.translation()) : kStart) + 0.005 * v,
+                k * kMs);
       input.plan.v_WE = v;
       input.plan.force_E << 0, 0.3, -0.5;
     }
@@ -569,12 +572,14 @@ TEST_CASE("controller: ordinary plans are tracked as they are") {
   CHECK(loop.state.V_WE[1] == Approx(0.15).margin(0.02));
 }
 
-TEST_CASE("controller: after cycles or states that were missing the reference begins where the arm is") {
+TEST_CASE(
+    "controller: after cycles or states that were missing the reference begins where the arm is") {
   for (const bool state : {false, true}) {
     CAPTURE(state);
     Controller controller = make(parameters());
     Output output{};
-    for (int k = 1; k <= 100; ++k) output = controller.step(with_plan(k * kMs, kStart + Vector3d(0, 0.05, 0)));
+    for (int k = 1; k <= 100; ++k)
+      output = controller.step(with_plan(k * kMs, kStart + Vector3d(0, 0.05, 0)));
     REQUIRE((output.p_WE_desired - kStart).norm() > 5e-3);
     if (state) {
       Input old = with_plan(300 * kMs, kStart);
@@ -591,7 +596,9 @@ TEST_CASE("controller: after cycles or states that were missing the reference be
   }
 }
 
-TEST_CASE("controller: a state that was missing is forgiven once it comes steadily, if the scenario says so") {
+TEST_CASE(
+    "controller: a state that was missing is forgiven once it comes steadily, if the scenario says "
+    "so") {
   for (const bool alone : {false, true}) {
     CAPTURE(alone);
     Parameters p = parameters();
@@ -600,7 +607,8 @@ TEST_CASE("controller: a state that was missing is forgiven once it comes steadi
     controller.step(with_plan(kMs));
     Input missing = with_plan(200 * kMs);
     missing.state_stamp_ns = kMs;
-    for (int k = 0; k <= kPatience; ++k) REQUIRE(controller.step(missing).counters.stops == (k == kPatience));
+    for (int k = 0; k <= kPatience; ++k)
+      REQUIRE(controller.step(missing).counters.stops == (k == kPatience));
     Output output{};
     for (int k = 1; k < kGoodStates; ++k) output = controller.step(with_plan((200 + k) * kMs));
     CHECK(output.mode == Mode::kStop);

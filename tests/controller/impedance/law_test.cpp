@@ -77,7 +77,8 @@ TEST_CASE(
     const Vector6d expected =
         gains.stiffness.cwiseProduct(pose_error(state.X_WE, goal.p_WE, goal.q_WE)) +
         gains.damping.cwiseProduct(e_dot);
-    const Vector6d achieved = state.J_WE * acceleration(state, torque(gains, state, q, dq, goal).sum());
+    const Vector6d achieved =
+        state.J_WE * acceleration(state, torque(gains, state, q, dq, goal).sum());
     CHECK((achieved - expected).norm() < 1e-9 * (1 + expected.norm()));
   }
 }
@@ -99,7 +100,8 @@ TEST_CASE("law: a small error dies out as e'' + B e' + K e = 0 says") {
     const Vector7d ddq = acceleration(state, torque(gains, state, q, dq, goal).sum());
     const Vector7d q_half = q + 0.5 * kDt * dq, dq_half = dq + 0.5 * kDt * ddq;
     arm.update(q_half, dq_half, state);
-    const Vector7d ddq_half = acceleration(state, torque(gains, state, q_half, dq_half, goal).sum());
+    const Vector7d ddq_half =
+        acceleration(state, torque(gains, state, q_half, dq_half, goal).sum());
     q += kDt * dq_half;
     dq += kDt * ddq_half;
     arm.update(q, dq, state);

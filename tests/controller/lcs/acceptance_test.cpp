@@ -39,8 +39,8 @@ TEST_CASE("acceptance: a gap of -1 is refused beside a force of any size") {
     CHECK_FALSE(is_accepted(matrix(0, 1, 0.1, 0), q, Vector2d(force, 0)));
     CHECK_FALSE(is_accepted(MatrixXd::Zero(1, 1), q.head(1), VectorXd::Constant(1, force)));
     // the force is in the row of the gap, by an entry that makes -1 small beside it, or not
-    CHECK_FALSE(is_accepted(matrix(1, -1, -1, 1), Vector2d(-1, 0.5),
-                            Vector2d(force, force - 0.75)));
+    CHECK_FALSE(
+        is_accepted(matrix(1, -1, -1, 1), Vector2d(-1, 0.5), Vector2d(force, force - 0.75)));
     CHECK_FALSE(is_accepted(matrix(1, -1, -1, 1), Vector2d(-1, 0.5), Vector2d(force, force)));
     CHECK_FALSE(is_accepted(matrix(1, -1, -1e-12, 1e-12), q, Vector2d(force, force)));
   }

@@ -176,7 +176,8 @@ TEST_CASE("lemke property: units of 1e-8 to 1e8 of every row and force change no
       const LcpReport report = lemke.solve(F, q, scaled);
       CAPTURE(i, kind, n, p.F, p.q);
       // an answer without a regular basis is found in some units alone
-      if ((report.status == LcpStatus::kSolved) != solved) CHECK_FALSE(enumeration_solves(p.F, p.q));
+      if ((report.status == LcpStatus::kSolved) != solved)
+        CHECK_FALSE(enumeration_solves(p.F, p.q));
       if (report.status != LcpStatus::kSolved) continue;
       // what the largest force's rounding leaves in a row, 1e-12, is measured in the units that
       // `equilibrate` finds, and those are not always these

@@ -254,8 +254,7 @@ TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
   REQUIRE(lemke.solve(F, q, lambda).status == LcpStatus::kInaccurate);
   REQUIRE(lambda.isZero());
   F(0, 1) = std::numeric_limits<double>::infinity();
-  REQUIRE(lemke.solve(F, Eigen::Vector2d(-1, -1), lambda).status ==
-          LcpStatus::kInaccurate);
+  REQUIRE(lemke.solve(F, Eigen::Vector2d(-1, -1), lambda).status == LcpStatus::kInaccurate);
   REQUIRE(lemke.solve(MatrixXd::Identity(3, 3), -VectorXd::Ones(3), lambda).status ==
           LcpStatus::kInaccurate);
 }

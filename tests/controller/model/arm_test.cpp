@@ -208,8 +208,8 @@ TEST_CASE(
 TEST_CASE("arm: a missing or unusable model is refused by its path, with what to do") {
   CHECK_THROWS_AS(Arm(with_urdf("/nowhere/panda.urdf")), ArmError);
   CHECK_THROWS_WITH(Arm(with_urdf("/nowhere/panda.urdf")), Catch::Contains("/nowhere/panda.urdf") &&
-                                                    Catch::Contains("./c3rt setup") &&
-                                                    Catch::Contains("C3RT_PANDA_URDF"));
+                                                               Catch::Contains("./c3rt setup") &&
+                                                               Catch::Contains("C3RT_PANDA_URDF"));
   const std::string not_a_urdf = std::string(C3RT_SOURCE_DIRECTORY) + "/CMakeLists.txt";
   CHECK_THROWS_WITH(Arm(with_urdf(not_a_urdf)), Catch::Contains("CMakeLists.txt: not a URDF"));
 }

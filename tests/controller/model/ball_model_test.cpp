@@ -36,8 +36,9 @@ scene::Scene random_state(std::mt19937& generator) {
   };
   scene::Scene state{};
   state.effector.p_WE = Vector3d(0.5, 0.0, 0.1) + vector(0.05);
-  state.body(0).q_WB = Eigen::Quaterniond(uniform(generator), uniform(generator), uniform(generator), 1.5)
-                   .normalized();
+  state.body(0).q_WB =
+      Eigen::Quaterniond(uniform(generator), uniform(generator), uniform(generator), 1.5)
+          .normalized();
   state.body(0).p_WB = Vector3d(0.5, 0.0, 0.0) + vector(0.02);
   state.effector.v_WE = vector(0.5);
   state.body(0).omega_WB = vector(3.0);
@@ -59,7 +60,8 @@ scene::Scene moved(const scene::Scene& state, double dt) {
   const double angle = dt * state.body(0).omega_WB.norm();
   if (angle != 0.0)
     result.body(0).q_WB =
-        Eigen::Quaterniond(Eigen::AngleAxisd(angle, state.body(0).omega_WB.normalized())) * state.body(0).q_WB;
+        Eigen::Quaterniond(Eigen::AngleAxisd(angle, state.body(0).omega_WB.normalized())) *
+        state.body(0).q_WB;
   return result;
 }
 
@@ -80,7 +82,8 @@ Next step(const scene::Scene& state, const Vector3d& u, double dt) {
   next.state.effector.v_WE = x.segment<3>(L::v_WE);
   next.state.body(0).omega_WB = x.segment<3>(L::omega_WB);
   next.state.body(0).v_WB = x.segment<3>(L::v_WB);
-  next.state.body(0).q_WB = Eigen::Quaterniond(x[L::q_WB], x[L::q_WB + 1], x[L::q_WB + 2], x[L::q_WB + 3]);
+  next.state.body(0).q_WB =
+      Eigen::Quaterniond(x[L::q_WB], x[L::q_WB + 1], x[L::q_WB + 2], x[L::q_WB + 3]);
   return next;
 }
 
@@ -126,7 +129,8 @@ TEST_CASE(
     const auto slip = [&](const Vector3d& from_center, const Vector3d& other_velocity) -> Vector3d {
       const auto point = [&](double dt) {
         const scene::Scene now = moved(state, dt);
-        return Vector3d(now.body(0).p_WB + now.body(0).q_WB * (state.body(0).q_WB.conjugate() * from_center));
+        return Vector3d(now.body(0).p_WB +
+                        now.body(0).q_WB * (state.body(0).q_WB.conjugate() * from_center));
       };
       return (point(h) - point(-h)) / (2.0 * h) - other_velocity;
     };
@@ -183,8 +187,9 @@ TEST_CASE("ball model: friction slows a sliding ball by mu g and makes it roll, 
   const double dt = 0.01;
   const Next next = step(state, kHover, dt);
   CHECK(next.state.body(0).v_WB.x() == Approx(1.0 - kModel.friction_table * kGravity * dt));
-  CHECK(next.state.body(0).omega_WB.y() == Approx(2.5 * kModel.friction_table * kGravity * dt /
-                                          kModel.ball_radius));  // τ = μ m g r, I = 2/5 m r²
+  CHECK(next.state.body(0).omega_WB.y() ==
+        Approx(2.5 * kModel.friction_table * kGravity * dt /
+               kModel.ball_radius));  // τ = μ m g r, I = 2/5 m r²
 }
 
 TEST_CASE("ball model: a rolling ball keeps rolling") {
@@ -198,7 +203,8 @@ TEST_CASE("ball model: a rolling ball keeps rolling") {
 
 TEST_CASE("ball model: pressing on the ball gives the reaction on the end effector") {
   scene::Scene state = resting();
-  state.effector.p_WE = state.body(0).p_WB + Vector3d(0, 0, kModel.ball_radius + kModel.end_effector_radius);
+  state.effector.p_WE =
+      state.body(0).p_WB + Vector3d(0, 0, kModel.ball_radius + kModel.end_effector_radius);
   const Next next = step(state, kHover + Vector3d(0, 0, -2.0), 0.01);
   const auto rolling = model::make_rolling_ball(kModel);
   const Vector3d force = model::force_on_end_effector(

@@ -181,14 +181,16 @@ TEST_CASE("balls model: one ball moves like the full model whose table does not 
     const double elevation = random.uniform(0.1, 1.5), v = random.uniform(-0.1, 0.1);
     scene::Scene state;
     state.body(0).p_WB = Vector3d(0.5, 0.1, kTable + 0.0315);
-    state.effector.p_WE = state.body(0).p_WB + (kTip + 0.0315 + random.uniform(0.0, 2e-4)) *
-                                  Vector3d(0.0, -std::cos(elevation), std::sin(elevation));
+    state.effector.p_WE =
+        state.body(0).p_WB + (kTip + 0.0315 + random.uniform(0.0, 2e-4)) *
+                                 Vector3d(0.0, -std::cos(elevation), std::sin(elevation));
     state.effector.v_WE = Vector3d(0.0, 0.1 * random.uniform(), 0.1 * random.uniform());
     state.body(0).v_WB = Vector3d(0.0, v, 0.0);
     state.body(0).omega_WB = Vector3d(-v / 0.0315, 0.0, 0.0);
     const Vector3d u = kHover + Vector3d(0.0, 2.0 * random.uniform(), 2.0 * random.uniform());
     VectorXd x(layout.n_x());
-    x << state.effector.p_WE, state.body(0).p_WB.head<2>(), state.effector.v_WE, state.body(0).v_WB.head<2>();
+    x << state.effector.p_WE, state.body(0).p_WB.head<2>(), state.effector.v_WE,
+        state.body(0).v_WB.head<2>();
 
     const lcs::Simulation expected =
         one_step(model::stewart_trinkle(model::ball_contact_system(full, state), dt),

@@ -30,7 +30,8 @@ TEST_CASE("contact model: lambda's layout counts what the LCS has, with and with
     model::ContactSystem smooth = system;
     smooth.J_t.resize(0, system.n_v());
     for (const ContactModel kind : {ContactModel::kStewartTrinkle, ContactModel::kAnitescu}) {
-      for (const model::ContactSystem* of : {&system, const_cast<const model::ContactSystem*>(&smooth)}) {
+      for (const model::ContactSystem* of :
+           {&system, const_cast<const model::ContactSystem*>(&smooth)}) {
         const LambdaLayout layout(kind, static_cast<int>(of->n_c()), static_cast<int>(of->n_e()));
         CHECK(layout.size() == model::to_lcs(kind, *of, 0.01).F.rows());
       }
@@ -69,7 +70,8 @@ TEST_CASE("contact model: what a contact pushes with is the same force in either
   const double dt = 0.01;
   const lcs::Lcs exact = model::to_lcs(ContactModel::kStewartTrinkle, system, dt);
   const lcs::Lcs convex = model::to_lcs(ContactModel::kAnitescu, system, dt);
-  const LambdaLayout of_exact(ContactModel::kStewartTrinkle, 1, 4), of_convex(ContactModel::kAnitescu, 1, 4);
+  const LambdaLayout of_exact(ContactModel::kStewartTrinkle, 1, 4),
+      of_convex(ContactModel::kAnitescu, 1, 4);
   // an impulse along all four edges of the cone is one along the normal
   const Eigen::VectorXd by_force = exact.D.col(of_exact.normal(0));
   Eigen::VectorXd by_impulse = Eigen::VectorXd::Zero(by_force.size());

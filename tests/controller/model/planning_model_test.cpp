@@ -43,7 +43,8 @@ scene::Scene some_scene(support::Random& random) {
 
 }  // namespace
 
-TEST_CASE("planning models: every entry of x belongs to one block, and blocks to bodies that there are") {
+TEST_CASE(
+    "planning models: every entry of x belongs to one block, and blocks to bodies that there are") {
   for (const auto& model : all_models()) {
     const model::Layout& layout = model->layout();
     std::vector<int> owners(static_cast<std::size_t>(layout.n_x), 0);

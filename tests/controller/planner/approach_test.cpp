@@ -103,7 +103,8 @@ TEST_CASE("approach: it waits for an arm that does not follow, and goes on when 
 }
 
 TEST_CASE("approach: it comes to an arm that is kept back, and takes it to the ball") {
-  // the arm stands at the border of its workspace, the reference is beyond: both would wait for ever
+  // the arm stands at the border of its workspace, the reference is beyond: both would wait for
+  // ever
   Approach approach(parameters(), kTable);
   const double border = 0.65;
   approach.begin({0.70, 0.1, 0.12});
@@ -114,11 +115,13 @@ TEST_CASE("approach: it comes to an arm that is kept back, and takes it to the b
     p_WE = approach.reference();
     p_WE.x() = std::min(p_WE.x(), border);
   }
-  CHECK((p_WE - kBall - Vector3d(0.0, 0.0, parameters().start_height)).norm() < parameters().tolerance);
+  CHECK((p_WE - kBall - Vector3d(0.0, 0.0, parameters().start_height)).norm() <
+        parameters().tolerance);
   CHECK(approach.settled(now));
 }
 
-TEST_CASE("approach: while the robot does not follow it rests where the arm is, wherever that is moved") {
+TEST_CASE(
+    "approach: while the robot does not follow it rests where the arm is, wherever that is moved") {
   Approach approach(parameters(), kTable);
   approach.begin(kBegin);
   double now = 0.0;

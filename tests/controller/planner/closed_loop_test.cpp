@@ -1,8 +1,5 @@
 // Plant, emulated sensing, planner and impedance law in one process: what the whole is for.
 #include "tests/support/closed_loop.hpp"
-#include "controller/task/circle.hpp"
-#include "controller/task/line.hpp"
-#include "controller/task/path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +8,10 @@
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
+
+#include "controller/task/circle.hpp"
+#include "controller/task/line.hpp"
+#include "controller/task/path.hpp"
 
 using namespace c3rt;
 
@@ -264,7 +265,8 @@ TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes o
   CHECK(arrived == 3);
 }
 
-TEST_CASE("closed loop: on a table that resists, a ball that nobody sees for a second is taken up") {
+TEST_CASE(
+    "closed loop: on a table that resists, a ball that nobody sees for a second is taken up") {
   const config::Scenario scenario = config::load_scenario(scenario_file("circle_service"));
   for (const double at : {7.9, 8.3, 9.1}) {
     for (const bool silent : {false, true}) {

@@ -62,8 +62,8 @@ TEST_CASE("planner mode: what comes next in every situation") {
     known.returning = returning;
     return known;
   };
-  for (const Mode mode : {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kRest,
-                          Mode::kHold}) {
+  for (const Mode mode :
+       {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kRest, Mode::kHold}) {
     CHECK(next(mode, situation(false, true, false, true, false)) == Mode::kWait);
     CHECK(next(mode, situation(true, false, false, true, false)) == Mode::kHold);
     CHECK(next(mode, situation(true, true, true, true, false)) == Mode::kHold);
@@ -108,7 +108,9 @@ scene::Scene balls_at(const std::vector<Vector2d>& places) {
   return scene;
 }
 
-int choice(const scene::Scene& scene, int now) { return ball_to_work_on(kHeuristic, kLine, scene, now); }
+int choice(const scene::Scene& scene, int now) {
+  return ball_to_work_on(kHeuristic, kLine, scene, now);
+}
 }  // namespace
 
 TEST_CASE("heuristic: along a line the ball that is farthest behind is worked on") {

@@ -211,7 +211,8 @@ TEST_CASE("planner: an end effector that slips off the ball returns at once, and
   CHECK(follower.planner.step(input).mode == Mode::kRoll);
 }
 
-TEST_CASE("planner: a planner that was away, or whose robot does not follow, begins anew at the arm") {
+TEST_CASE(
+    "planner: a planner that was away, or whose robot does not follow, begins anew at the arm") {
   for (const bool away : {false, true}) {
     CAPTURE(away);
     Follower follower(parameters());

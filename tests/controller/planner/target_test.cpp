@@ -1,10 +1,11 @@
 #include "controller/planner/target.hpp"
-#include "controller/task/circle.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>
+
+#include "controller/task/circle.hpp"
 
 using namespace c3rt;
 using namespace c3rt::planner;
