@@ -12,12 +12,13 @@
 #include <fmt/format.h>
 
 #include "cli/fields.hpp"
+#include "controller/base/hash.hpp"
 
 namespace c3rt::cli {
 
-/// FNV-1a, 64 bits, over the values in the order in which they are named. Of a header only sequence
-/// number and time count: the session is another one in each run. Times that the machine measured
-/// do not count.
+/// A hash of the values in the order in which they are named. Of a header only sequence number and
+/// time count: the session is another one in each run. Times that the machine measured do not
+/// count.
 class HashVisitor {
  public:
   void header(const wire::Header& header) {
@@ -35,7 +36,8 @@ class HashVisitor {
       for (int j = 0; j < columns && j < static_cast<int>(Columns); ++j) add(value[i][j]);
     }
   }
-  std::uint64_t value() const { return hash_; }
+  std::uint64_t value() const { return hash_.value(); }
+  std::string text() const { return hash_.text(); }
 
  private:
   template <typename T>
@@ -43,11 +45,10 @@ class HashVisitor {
     if constexpr (std::is_array_v<T>) {
       for (const auto& element : value) add(element);
     } else {
-      const auto* bytes = reinterpret_cast<const unsigned char*>(&value);
-      for (std::size_t i = 0; i < sizeof value; ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001b3ULL;
+      hash_.add(value);
     }
   }
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+  base::Hash hash_;
 };
 
 /// One row of numbers; `names` instead writes the head line.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/log.hpp"
+#include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
 
@@ -16,7 +17,7 @@ constexpr std::int64_t kPeriod = 20'000'000;  // of the recorder in lockstep [ns
 constexpr int kDepth = 1024;    // a second of the fastest topic may wait until it is taken
 constexpr double kStep = 1e-3;  // of the plant [s]
 
-double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-9; }
+using base::seconds;
 
 Eigen::Vector3d vector(const c3rt_v1_Vec3& value) { return {value[0], value[1], value[2]}; }
 
@@ -90,13 +91,13 @@ struct Recorder::Topics {
     detection_log.finish();
   }
 
-  std::uint64_t hash() const {
+  std::string hash() const {
     HashVisitor all;
     for (const std::uint64_t part : {scene_log.hash(), state_log.hash(), command_log.hash(),
                                      plan_log.hash(), estimate_log.hash(), detection_log.hash()}) {
       all("", part);
     }
-    return all.value();
+    return all.text();
   }
 
   wire::Reader<wire::Scene> scene;
@@ -177,7 +178,7 @@ void Recorder::record() {
     }
   }
   topics.finish();
-  log_hash_ = fmt::format("fnv1a64:{:016x}", topics.hash());
+  log_hash_ = topics.hash();
   if (topics.wall_last > topics.wall_first) {
     real_time_factor_ = static_cast<double>(topics.seq_last - topics.seq_first) * kStep /
                         (topics.wall_last - topics.wall_first);

@@ -11,7 +11,7 @@
 #include <GL/osmesa.h>
 #include <opencv2/core.hpp>
 
-#include "vision/emulated.hpp"
+#include "controller/base/random.hpp"
 
 namespace c3rt::vision {
 namespace {
@@ -124,7 +124,7 @@ struct VirtualCameras::Implementation {
   };
 
   Implementation(const plant::World& world, const Parameters& parameters, std::uint64_t seed)
-      : pixel_noise(parameters.pixel_noise), noise(seed) {
+      : pixel_noise(parameters.pixel_noise), random(seed) {
     setenv("LP_NUM_THREADS", "0", 0);
     gl.reset(OSMesaCreateContextExt(OSMESA_RGBA, 24, 8, 0, nullptr));
     window.resize(4 * kWindow * kWindow);
@@ -237,7 +237,7 @@ struct VirtualCameras::Implementation {
       for (int row = 0; row < image.rows; ++row) {
         std::uint8_t* pixel = image.ptr<std::uint8_t>(row);
         for (int k = 0; k < 3 * image.cols; ++k) {
-          pixel[k] = cv::saturate_cast<std::uint8_t>(pixel[k] + pixel_noise * noise.next());
+          pixel[k] = cv::saturate_cast<std::uint8_t>(pixel[k] + pixel_noise * random.normal());
         }
       }
     }
@@ -259,7 +259,7 @@ struct VirtualCameras::Implementation {
   std::vector<Camera*> cameras;
   std::int64_t exposure_ns = -1;
   double pixel_noise;
-  NormalSequence noise;
+  base::Random random;
   cv::Mat flipped;
 };
 

@@ -13,16 +13,16 @@
 #include "cli/paths.hpp"
 #include "config/scenario.hpp"
 #include "config/show.hpp"
+#include "controller/base/hash.hpp"
 
 namespace c3rt::cli::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-/// FNV-1a, 64 bits.
 std::string hash(const std::string& text) {
-  std::uint64_t value = 0xcbf29ce484222325ULL;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  return fmt::format("fnv1a64:{:016x}", value);
+  base::Hash hash;
+  hash.add(text);
+  return hash.text();
 }
 
 /// What the programs are: another build may answer otherwise though its version is the same.

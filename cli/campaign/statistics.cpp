@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "controller/base/quantile.hpp"
+
 namespace c3rt::cli::campaign {
 namespace {
 
@@ -57,13 +59,6 @@ Proportion wilson(int successes, int count) {
           std::max(p, std::min(1.0, centre + half))};
 }
 
-double quantile(const std::vector<double>& sorted, double share) {
-  const double place = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
 Distribution distribution(const std::vector<double>& values, bool higher_is_better) {
   const auto worst = higher_is_better ? std::min_element(values.begin(), values.end())
                                       : std::max_element(values.begin(), values.end());
@@ -71,9 +66,9 @@ Distribution distribution(const std::vector<double>& values, bool higher_is_bett
   std::sort(sorted.begin(), sorted.end());
   return {static_cast<int>(values.size()),
           std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
-          quantile(sorted, 0.05),
-          quantile(sorted, 0.5),
-          quantile(sorted, 0.95),
+          base::quantile_linear(sorted, 0.05),
+          base::quantile_linear(sorted, 0.5),
+          base::quantile_linear(sorted, 0.95),
           *worst,
           static_cast<std::size_t>(worst - values.begin())};
 }

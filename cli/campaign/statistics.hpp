@@ -20,10 +20,6 @@ struct Proportion {
 /// @param count at least 1
 Proportion wilson(int successes, int count);
 
-/// Quantile of sorted values, linear between the two around it (R's type 7).
-/// @param share 0 … 1
-double quantile(const std::vector<double>& sorted, double share);
-
 /// One figure over the runs that give it.
 struct Distribution {
   int count;

@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "cli/report/tracking.hpp"
+#include "controller/base/quantile.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -225,12 +226,8 @@ std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
 Spread spread(std::vector<double> samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());
-  const auto quantile = [&](double share) {
-    const auto rank =
-        static_cast<std::size_t>(std::ceil(share * static_cast<double>(samples.size())));
-    return samples[std::max<std::size_t>(rank, 1) - 1];
-  };
-  return {quantile(0.50), quantile(0.95), quantile(0.99), samples.back()};
+  return {base::quantile_nearest(samples, 0.50), base::quantile_nearest(samples, 0.95),
+          base::quantile_nearest(samples, 0.99), samples.back()};
 }
 
 std::int64_t start_ns(const Series& series) {

@@ -11,6 +11,7 @@
 #include "cli/paths.hpp"
 #include "cli/reproduce/open_loop.hpp"
 #include "cli/reproduce/rolling.hpp"
+#include "controller/base/quantile.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -55,7 +56,7 @@ double median(const std::vector<campaign::RunResult>& runs, Figure figure_of) {
   }
   if (values.empty()) return kNone;
   std::sort(values.begin(), values.end());
-  return campaign::quantile(values, 0.5);
+  return base::quantile_linear(values, 0.5);
 }
 
 /// Each question's cost above that of the best answer to it that anybody found.
@@ -159,12 +160,12 @@ void open_loop(const Context& context, Rows& rows, ordered_json& results) {
     const auto fast =
         std::count_if(times.begin(), times.end(), [&](double time) { return time <= period; });
     const auto share = [&](double p) {
-      return finite.empty() ? "-" : shown(100.0 * campaign::quantile(finite, p), 3);
+      return finite.empty() ? "-" : shown(100.0 * base::quantile_linear(finite, p), 3);
     };
     rows.push_back(
         {label, fmt::format("{} of {}", finite.size(), asked.size()), share(0.5), share(0.95),
-         shown(1e3 * campaign::quantile(times, 0.5), 3),
-         shown(1e3 * campaign::quantile(times, 0.95), 3),
+         shown(1e3 * base::quantile_linear(times, 0.5), 3),
+         shown(1e3 * base::quantile_linear(times, 0.95), 3),
          shown(100.0 * static_cast<double>(fast) / static_cast<double>(times.size()), 3)});
     results["open_loop"][label] = {{"costs", to_json(answer.costs)},
                                    {"times_s", to_json(answer.times)}};

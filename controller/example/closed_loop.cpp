@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
+#include "controller/base/random.hpp"
 #include "controller/lcs/simulate.hpp"
 #include "controller/lcs/step.hpp"
 
@@ -13,19 +13,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Uniform and normal draws that are the same with every standard library.
-class Noise {
- public:
-  Noise(std::uint64_t seed, int trial)
-      : random_(seed * 7919u + 104729u * static_cast<std::uint64_t>(trial) + 1u) {}
-  double uniform() { return (static_cast<double>(random_() >> 11) + 0.5) * 0x1.0p-53; }
-  double normal() {  // Box and Muller
-    return std::sqrt(-2.0 * std::log(uniform())) * std::cos(2.0 * M_PI * uniform());
-  }
-
- private:
-  std::mt19937_64 random_;
-};
+/// Every trial of every seed has its own numbers.
+base::Random trial_random(std::uint64_t seed, int trial) {
+  return base::Random(seed * 7919u + 104729u * static_cast<std::uint64_t>(trial) + 1u);
+}
 
 }  // namespace
 
@@ -59,9 +50,10 @@ Trajectory run(const Experiment& experiment, std::uint64_t seed, int trial, Cont
       static_cast<Eigen::Index>(std::llround(experiment.duration / experiment.simulation_step));
   const auto held = static_cast<Eigen::Index>(
       std::llround(experiment.control_period / experiment.simulation_step));
-  Noise noise(seed, trial);
+  base::Random random = trial_random(seed, trial);
   const Disturbance& disturbance = experiment.disturbance;
-  const double push = disturbance.min + noise.uniform() * (disturbance.max - disturbance.min);
+  const double unit = random.uniform() + 0x1p-54;  // never an end
+  const double push = disturbance.min + unit * (disturbance.max - disturbance.min);
 
   Trajectory out;
   out.x.resize(s.n_x, steps + 1);
@@ -103,7 +95,7 @@ Trajectory run(const Experiment& experiment, std::uint64_t seed, int trial, Cont
     }
     if (experiment.noise > 0.0) {
       for (double& value : x)
-        value += experiment.noise * experiment.simulation_step * noise.normal();
+        value += experiment.noise * experiment.simulation_step * random.normal();
     }
     out.lambda.col(step) = lambda;
     out.x.col(step + 1) = x;

@@ -1,7 +1,8 @@
 #include "controller/example/experiment.hpp"
 
 #include <algorithm>
-#include <random>
+
+#include "controller/base/random.hpp"
 
 namespace c3rt::example {
 namespace {
@@ -68,12 +69,10 @@ double stage_cost(const Experiment& experiment, const Eigen::VectorXd& x,
 
 Eigen::VectorXd start_of_trial(const Experiment& experiment, std::uint64_t seed, int trial) {
   Eigen::VectorXd x = experiment.x0;
-  std::mt19937_64 random(seed * 1000003u + static_cast<std::uint64_t>(trial));
+  base::Random random(seed * 1000003u + static_cast<std::uint64_t>(trial));
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    // by hand: the library's distributions differ between implementations
-    const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
     const double low = experiment.x0_spread_min[i], high = experiment.x0_spread_max[i];
-    x[i] += low + unit * (high - low);
+    x[i] += low + random.uniform() * (high - low);
   }
   return x;
 }

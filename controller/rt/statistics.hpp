@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "controller/base/quantile.hpp"
+
 namespace c3rt::rt {
 
 /// What a Statistics holds at one moment [s].
@@ -33,7 +35,7 @@ class Statistics {
     }
   }
 
-  /// Quantiles by nearest rank (the smallest sample that at least the given share does not exceed).
+  /// Quantiles by nearest rank.
   Quantiles snapshot() const noexcept {
     std::array<std::uint64_t, kBuckets> counts;
     Quantiles result;
@@ -44,8 +46,7 @@ class Statistics {
     result.max_s = max_s_.load(std::memory_order_relaxed);
     if (result.count == 0) return result;
     const auto quantile = [&](double share) {
-      const auto rank =
-          static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(result.count)));
+      const std::uint64_t rank = base::nearest_rank(result.count, share);
       std::uint64_t below = 0;
       for (int i = 0; i < kBuckets; ++i) {
         below += counts[i];

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/base/time.hpp"
+
 namespace c3rt::vision {
 namespace {
-
-double seconds(std::int64_t ns) noexcept { return 1e-9 * static_cast<double>(ns); }
 
 void require(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
@@ -65,7 +65,7 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
   estimate_.restarted = false;
 
   const bool found = measurement.found && measurement.p_WB.allFinite();
-  const double dt = seconds(measurement.exposure_ns - measured_ns_);
+  const double dt = base::seconds(measurement.exposure_ns - measured_ns_);
   if (estimate_.seen && dt > parameters_.lost_after) estimate_.valid = false;
 
   if (!found) return estimate_;
@@ -107,7 +107,8 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
 }
 
 Eigen::Vector3d Estimator::predict(std::int64_t exposure_ns) const noexcept {
-  const double dt = std::clamp(seconds(exposure_ns - measured_ns_), 0.0, parameters_.lost_after);
+  const double dt =
+      std::clamp(base::seconds(exposure_ns - measured_ns_), 0.0, parameters_.lost_after);
   return estimate_.p_WB + dt * estimate_.v_WB;
 }
 

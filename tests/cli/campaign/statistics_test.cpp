@@ -32,17 +32,6 @@ TEST_CASE("Wilson's interval of no and of only successes ends at 0 and 1, but is
   CHECK(wilson(1, 1).low == Approx(0.20654).epsilon(1e-4));  // tabulated
 }
 
-TEST_CASE("quantiles are linear between the two values around them") {
-  const std::vector<double> values{1.0, 2.0, 4.0, 8.0, 16.0};
-  CHECK(quantile(values, 0.0) == 1.0);
-  CHECK(quantile(values, 1.0) == 16.0);
-  CHECK(quantile(values, 0.5) == 4.0);
-  CHECK(quantile(values, 0.25) == 2.0);
-  CHECK(quantile(values, 0.95) == Approx(8.0 + 0.8 * 8.0));
-  CHECK(quantile({1.0, 3.0}, 0.5) == 2.0);
-  CHECK(quantile({7.0}, 0.95) == 7.0);
-}
-
 TEST_CASE("the worst of a distribution is at the end that nobody wants, and named by its index") {
   const std::vector<double> values{3.0, 1.0, 5.0, 1.0};
   const Distribution errors = distribution(values, false), shares = distribution(values, true);

@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
-#include "vision/emulated.hpp"
+#include "controller/base/random.hpp"
 
 using namespace c3rt::vision;
 
@@ -51,7 +51,7 @@ struct Disc {
 cv::Mat picture(const CameraModel& model, const Roi& roi, const std::vector<Eigen::Vector3d>& balls,
                 const std::vector<Disc>& in_front, double noise) {
   cv::Mat image(roi.height / roi.binning, roi.width / roi.binning, CV_8UC3);
-  NormalSequence normal(5);
+  c3rt::base::Random random(5);
   constexpr int kFine = 8;
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.cols; ++column) {
@@ -78,7 +78,8 @@ cv::Mat picture(const CameraModel& model, const Roi& roi, const std::vector<Eige
       }
       cv::Vec3b& out = image.at<cv::Vec3b>(row, column);
       for (int c = 0; c < 3; ++c) {
-        out[c] = cv::saturate_cast<std::uint8_t>(sum[c] / (kFine * kFine) + noise * normal.next());
+        out[c] =
+            cv::saturate_cast<std::uint8_t>(sum[c] / (kFine * kFine) + noise * random.normal());
       }
     }
   }
