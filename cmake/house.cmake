@@ -42,8 +42,8 @@ function(c3rt_process name source)
   install(TARGETS c3rt-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# c3rt_test(room/name [DEPS target...] [LABEL unit|integration|system] [TIMEOUT seconds])
-# tests/room/name_test.cpp becomes the ctest "room/name"
+# c3rt_test(room/name [DEPS target...] [LABEL unit|property|integration|system] [TIMEOUT seconds])
+# tests/room/name_test.cpp becomes the ctest "room/name". The target unit_tests builds those that need no process.
 function(c3rt_test path)
   cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "DEPS" ${ARGN})
   if(NOT arg_LABEL)
@@ -58,6 +58,12 @@ function(c3rt_test path)
   target_compile_definitions(${target} PRIVATE
     C3RT_SOURCE_DIRECTORY="${PROJECT_SOURCE_DIR}" C3RT_BINARY_DIRECTORY="${PROJECT_BINARY_DIR}"
     C3RT_THIRD_PARTY="${C3RT_THIRD_PARTY}")
+  if(arg_LABEL MATCHES "^(unit|property)$")
+    if(NOT TARGET unit_tests)
+      add_custom_target(unit_tests)
+    endif()
+    add_dependencies(unit_tests ${target})
+  endif()
   add_test(NAME ${path} COMMAND ${target})
   set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
 endfunction()
