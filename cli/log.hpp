@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -21,15 +23,15 @@ namespace c3rt::cli {
 /// count.
 class HashVisitor {
  public:
-  void header(const wire::Header& header) {
-    add(header.seq);
-    add(header.time_ns);
-  }
   template <typename T>
   void operator()(const char*, const T& value) {
     add(value);
   }
   void machine_time(const char*, double) {}
+  template <typename T, std::size_t n>
+  void list(const char*, const T (&values)[n], int count) {
+    for (int i = 0; i < count && i < static_cast<int>(n); ++i) add(values[i]);
+  }
   template <std::size_t Columns>
   void matrix(const char*, const double (*value)[Columns], int rows, int columns) {
     for (int i = 0; i < rows; ++i) {
@@ -42,8 +44,18 @@ class HashVisitor {
  private:
   template <typename T>
   void add(const T& value) {
-    if constexpr (std::is_array_v<T>) {
-      for (const auto& element : value) add(element);
+    if constexpr (std::is_same_v<T, wire::Header>) {
+      add(value.seq);
+      add(value.time_ns);
+    } else if constexpr (std::is_array_v<T>) {
+      for (const auto& element : value) {
+        add(element);
+        // what stands behind the end of a text is of older samples
+        if constexpr (std::is_same_v<std::remove_extent_t<T>, char>)
+          if (element == '\0') break;
+      }
+    } else if constexpr (std::is_class_v<T>) {
+      wire::visit_fields(value, *this);
     } else {
       hash_.add(value);
     }
@@ -51,19 +63,21 @@ class HashVisitor {
   base::Hash hash_;
 };
 
-/// One row of numbers; `names` instead writes the head line.
+/// One row of cells; `names` instead writes the head line. What is in an array of structs has its
+/// place in the name: knots_0_time_ns.
 class CsvVisitor {
  public:
   CsvVisitor(fmt::memory_buffer& out, bool names) : out_(out), names_(names) {}
-  void header(const wire::Header& header) {
-    (*this)("time_ns", header.time_ns);
-    (*this)("seq", header.seq);
-  }
   template <typename T>
   void operator()(const char* name, const T& value) {
-    add(name, value);
+    add(names_ ? prefix_ + name : prefix_, value);
   }
-  void machine_time(const char* name, double value) { add(name, value); }
+  void machine_time(const char* name, double value) { (*this)(name, value); }
+  /// Every place has its columns, used or not.
+  template <typename T, std::size_t n>
+  void list(const char* name, const T (&values)[n], int) {
+    (*this)(name, values);
+  }
   /// The predicted horizon is not for a table.
   template <std::size_t Columns>
   void matrix(const char*, const double (*)[Columns], int, int) {}
@@ -71,7 +85,17 @@ class CsvVisitor {
  private:
   template <typename T>
   void add(const std::string& name, const T& value) {
-    if constexpr (std::is_array_v<T>) {
+    if constexpr (std::is_same_v<T, wire::Header>) {
+      add("time_ns", value.time_ns);
+      add("seq", value.seq);
+    } else if constexpr (std::is_same_v<T, wire::Origin>) {
+      wire::visit_fields(value, *this);
+    } else if constexpr (std::is_class_v<T>) {
+      const std::string outside = prefix_;
+      if (names_) prefix_ = name + "_";
+      wire::visit_fields(value, *this);
+      prefix_ = outside;
+    } else if constexpr (std::is_array_v<T> && !std::is_same_v<std::remove_extent_t<T>, char>) {
       int i = 0;
       for (const auto& element : value)
         add(names_ ? name + "_" + std::to_string(i++) : name, element);
@@ -80,6 +104,9 @@ class CsvVisitor {
       first_ = false;
       if (names_) {
         fmt::format_to(std::back_inserter(out_), "{}", name);
+      } else if constexpr (std::is_array_v<T>) {  // a text; a comma would be another cell
+        for (std::size_t i = 0; i < std::size(value) && value[i] != '\0'; ++i)
+          out_.push_back(value[i] == ',' || value[i] == '"' ? ' ' : value[i]);
       } else if constexpr (std::is_enum_v<T>) {
         fmt::format_to(std::back_inserter(out_), "{}", static_cast<int>(value));
       } else if constexpr (std::is_same_v<T, bool>) {
@@ -94,6 +121,7 @@ class CsvVisitor {
   fmt::memory_buffer& out_;
   bool names_;
   bool first_ = true;
+  std::string prefix_;  // of the names
 };
 
 /// The log of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until it
@@ -114,8 +142,7 @@ class TopicLog {
   }
   /// @throws std::runtime_error where the disk has no room for it
   void add(const T& sample) {
-    hash_.header(sample.header);
-    visit_fields(sample, hash_);
+    visit_sample(sample, hash_);
     if (file_) write(sample, false);
   }
   std::uint64_t hash() const { return hash_.value(); }
@@ -136,8 +163,7 @@ class TopicLog {
   void write(const T& sample, bool names) {
     row_.clear();
     CsvVisitor visitor(row_, names);
-    visitor.header(sample.header);
-    visit_fields(sample, visitor);
+    visit_sample(sample, visitor);
     row_.push_back('\n');
     errno = 0;
     if (std::fwrite(row_.data(), 1, row_.size(), file_.get()) != row_.size()) fail();

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string_view>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -31,21 +32,21 @@ using std::chrono::steady_clock;
 /// A sample as a JSON object.
 class JsonVisitor {
  public:
-  void header(const wire::Header& header) {
-    (*this)("session_id", header.session_id);
-    (*this)("seq", header.seq);
-    (*this)("time_ns", header.time_ns);
-  }
   template <typename T>
   void operator()(const char* name, const T& value) {
-    object_[name] = json_of(value);
+    // what every sample has stands beside the rest
+    if constexpr (std::is_same_v<T, wire::Header> || std::is_same_v<T, wire::Origin>) {
+      wire::visit_fields(value, *this);
+    } else {
+      object_[name] = json_of(value);
+    }
   }
   void machine_time(const char* name, double value) { object_[name] = value; }
   /// The first `count` elements.
-  template <typename T>
-  void list(const char* name, const T* values, int count) {
+  template <typename T, std::size_t n>
+  void list(const char* name, const T (&values)[n], int count) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (int i = 0; i < count; ++i) all.push_back(json_of(values[i]));
+    for (int i = 0; i < count && i < static_cast<int>(n); ++i) all.push_back(json_of(values[i]));
     object_[name] = all;
   }
   template <std::size_t Columns>
@@ -73,11 +74,10 @@ class JsonVisitor {
       }
     } else if constexpr (std::is_enum_v<T>) {
       return name_of(value);
-    } else if constexpr (std::is_same_v<T, wire::RefusedSamples>) {
-      return {{"topic", value.topic},
-              {"reason", value.reason},
-              {"count", value.count},
-              {"latest", value.latest}};
+    } else if constexpr (std::is_class_v<T>) {
+      JsonVisitor inside;
+      wire::visit_fields(value, inside);
+      return inside.object_;
     } else {
       return value;
     }
@@ -87,7 +87,7 @@ class JsonVisitor {
 
 [[noreturn]] void unknown_topic(const std::string& name) {
   std::string known;
-  for_each_topic([&](const auto& sample) {
+  wire::for_each_topic([&](const auto& sample) {
     known += (known.empty() ? "" : ", ") +
              std::string(wire::topic<std::decay_t<decltype(sample)>>().name);
   });
@@ -145,18 +145,31 @@ int follow(const Seat& seat, double timeout_s, Action&& action) {
   return kDone;
 }
 
-// what tells the instances of a topic apart, in words
+/// What tells the instances of a topic apart, in words: "camera 0 ball 1", "vision". The robot and
+/// the number of a request do not: there is one, and another one each time.
+class KeyVisitor {
+ public:
+  template <typename T>
+  void operator()(const char* name, const T& value) {
+    if constexpr (std::is_enum_v<T>) {
+      add(name_of(value));
+    } else if constexpr (sizeof value < sizeof(std::uint64_t)) {
+      if (std::string_view(name) != "robot") add(fmt::format("{} {}", name, value));
+    }
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void add(const std::string& word) { text_ += (text_.empty() ? "" : " ") + word; }
+  std::string text_;
+};
+
 template <typename T>
-std::string key_of(const T&) {
-  return "";
+std::string key_of(const T& sample) {
+  KeyVisitor key;
+  wire::visit_key(sample, key);
+  return key.text();
 }
-std::string key_of(const wire::BallDetection& s) {
-  return fmt::format("camera {} ball {}", s.camera, s.ball);
-}
-std::string key_of(const wire::BallEstimate& s) { return fmt::format("ball {}", s.ball); }
-std::string key_of(const wire::Done& s) { return wire::process_name(s.process); }
-std::string key_of(const wire::ServiceStatus& s) { return wire::process_name(s.process); }
-std::string key_of(const wire::FaultInject& s) { return wire::process_name(s.process); }
 
 /// The samples of one key from one writer.
 struct Flow {
@@ -188,7 +201,7 @@ int print_topics(const Seat& seat, bool peers) {
     std::uint64_t received = 0;  // before the second that is counted
   };
   std::vector<Row> rows;
-  for_each_topic([&](const auto& sample) {
+  wire::for_each_topic([&](const auto& sample) {
     using T = std::decay_t<decltype(sample)>;
     rows.push_back(
         {&wire::topic<T>(), {new wire::Reader<T>(bus, 256), [](wire::ReaderBase* reader) {
@@ -237,13 +250,12 @@ int print_topics(const Seat& seat, bool peers) {
 
 int echo(const Seat& seat, const LookSettings& settings) {
   int printed = 0, status = kDone;
-  const bool known = with_topic(settings.topic, [&](const auto& kind) {
+  const bool known = wire::with_topic(settings.topic, [&](const auto& kind) {
     using T = std::decay_t<decltype(kind)>;
     status = follow<T>(seat, settings.timeout_s, [&](const T* sample, const wire::ReaderBase&) {
       if (sample == nullptr) return true;
       JsonVisitor visitor;
-      visitor.header(sample->header);
-      visit_fields(*sample, visitor);
+      visit_sample(*sample, visitor);
       fmt::print("{}\n", visitor.text());
       std::fflush(stdout);
       return settings.count == 0 || ++printed < settings.count;
@@ -255,7 +267,7 @@ int echo(const Seat& seat, const LookSettings& settings) {
 
 int measure_rate(const Seat& seat, const LookSettings& settings) {
   int status = kDone;
-  const bool known = with_topic(settings.topic, [&](const auto& kind) {
+  const bool known = wire::with_topic(settings.topic, [&](const auto& kind) {
     using T = std::decay_t<decltype(kind)>;
     std::map<std::pair<std::string, std::uint64_t>, Flow> flows;  // by key and writer
     std::map<std::uint64_t, std::string> writers;

@@ -1,6 +1,8 @@
 #include "cli/recorder.hpp"
 
 #include <chrono>
+#include <memory>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -65,54 +67,86 @@ EstimateRow row_of(const wire::BallEstimate& sample) {
 
 double wall_time() { return seconds(rt::now_ns()); }
 
+namespace {
+
+/// What the report needs of a sample.
+template <typename T>
+void keep(const T&, Series&) {}  // nothing
+void keep(const wire::Scene& sample, Series& series) { series.scene.push_back(row_of(sample)); }
+void keep(const wire::RobotState& sample, Series& series) {
+  series.state.push_back(row_of(sample));
+}
+void keep(const wire::RobotCommand& sample, Series& series) {
+  series.command.push_back(row_of(sample));
+}
+void keep(const wire::Plan& sample, Series& series) { series.plan.push_back(row_of(sample)); }
+void keep(const wire::BallEstimate& sample, Series& series) {
+  series.estimate.push_back(row_of(sample));
+}
+
+/// A topic on its way from the bus to its log.
+template <typename T>
+struct Recorded {
+  Recorded(wire::Bus& bus, const std::filesystem::path& directory)
+      : reader(bus, kDepth), log(directory) {}
+  void drain(Series& series) {
+    while (reader.take(newest)) {
+      log.add(newest);
+      keep(newest, series);
+      any = true;
+    }
+  }
+  wire::Reader<T> reader;
+  TopicLog<T> log;
+  T newest{};
+  bool any = false;
+};
+
+template <typename Types>
+struct RecordedTopics;
+/// Every topic that is a stream.
+template <typename... T>
+struct RecordedTopics<std::tuple<T...>> {
+  RecordedTopics(wire::Bus& bus, const std::filesystem::path& directory) {
+    ((recorded<T>(bus, directory)), ...);
+  }
+  template <typename Action>
+  void for_each(Action&& action) {
+    std::apply([&action](auto&... topic) { ((topic != nullptr ? action(*topic) : void()), ...); },
+               all);
+  }
+  template <typename U>
+  Recorded<U>& of() {
+    return *std::get<std::unique_ptr<Recorded<U>>>(all);
+  }
+
+ private:
+  template <typename U>
+  void recorded(wire::Bus& bus, const std::filesystem::path& directory) {
+    if (wire::topic<U>().stream == wire::kNoStream) return;
+    std::get<std::unique_ptr<Recorded<U>>>(all) = std::make_unique<Recorded<U>>(bus, directory);
+  }
+  std::tuple<std::unique_ptr<Recorded<T>>...> all;
+};
+
+}  // namespace
+
 struct Recorder::Topics {
   Topics(wire::Bus& bus, const std::filesystem::path& directory, const task::Task& task)
-      : scene(bus, kDepth),
-        state(bus, kDepth),
-        command(bus, kDepth),
-        plan(bus, kDepth),
-        estimate(bus, kDepth),
-        detection(bus, kDepth),
-        status(bus, 64),
-        scene_log(directory),
-        state_log(directory),
-        command_log(directory),
-        plan_log(directory),
-        estimate_log(directory),
-        detection_log(directory),
-        course(task) {}
+      : recorded(bus, directory), status(bus, 64), course(task) {}
 
   void finish() {
-    scene_log.finish();
-    state_log.finish();
-    command_log.finish();
-    plan_log.finish();
-    estimate_log.finish();
-    detection_log.finish();
+    recorded.for_each([](auto& topic) { topic.log.finish(); });
   }
 
-  std::string hash() const {
+  HashVisitor hash() {
     HashVisitor all;
-    for (const std::uint64_t part : {scene_log.hash(), state_log.hash(), command_log.hash(),
-                                     plan_log.hash(), estimate_log.hash(), detection_log.hash()}) {
-      all("", part);
-    }
-    return all.text();
+    recorded.for_each([&all](auto& topic) { all("", topic.log.hash()); });
+    return all;
   }
 
-  wire::Reader<wire::Scene> scene;
-  wire::Reader<wire::RobotState> state;
-  wire::Reader<wire::RobotCommand> command;
-  wire::Reader<wire::Plan> plan;
-  wire::Reader<wire::BallEstimate> estimate;
-  wire::Reader<wire::BallDetection> detection;
+  RecordedTopics<wire::TopicTypes> recorded;
   wire::Reader<wire::ServiceStatus> status;
-  TopicLog<wire::Scene> scene_log;
-  TopicLog<wire::RobotState> state_log;
-  TopicLog<wire::RobotCommand> command_log;
-  TopicLog<wire::Plan> plan_log;
-  TopicLog<wire::BallEstimate> estimate_log;
-  TopicLog<wire::BallDetection> detection_log;
   Course course;
   std::optional<std::int64_t> task_start;  // as task_start_ns() [ns]
   std::size_t judged = 0;                  // states looked at for a reflex
@@ -178,7 +212,7 @@ void Recorder::record() {
     }
   }
   topics.finish();
-  log_hash_ = topics.hash();
+  log_hash_ = topics.hash().text();
   if (topics.wall_last > topics.wall_first) {
     real_time_factor_ = static_cast<double>(topics.seq_last - topics.seq_first) * kStep /
                         (topics.wall_last - topics.wall_first);
@@ -186,25 +220,14 @@ void Recorder::record() {
 }
 
 bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
-  const auto drain = [](auto& reader, auto& log, auto& rows, auto& sample) {
-    bool any = false;
-    while (reader.take(sample)) {
-      log.add(sample);
-      rows.push_back(row_of(sample));
-      any = true;
-    }
-    return any;
-  };
-  wire::Scene scene{};
-  wire::RobotState state{};
-  wire::RobotCommand command{};
-  wire::Plan plan{};
-  wire::BallEstimate estimate{};
-  wire::BallDetection detection{};
-  const bool has_scene = drain(topics.scene, topics.scene_log, series_.scene, scene);
-  if (drain(topics.state, topics.state_log, series_.state, state)) {
+  const std::size_t plans_before = series_.plan.size();
+  topics.recorded.for_each([this](auto& topic) {
+    topic.any = false;
+    topic.drain(series_);
+  });
+  if (topics.recorded.of<wire::RobotState>().any) {
     topics.wall_last = wall_time();
-    topics.seq_last = state.header.seq;
+    topics.seq_last = series_.state.back().seq;
     if (topics.wall_first == 0.0) {
       topics.wall_first = topics.wall_last;
       topics.seq_first = topics.seq_last;
@@ -221,14 +244,9 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   const bool gave_up =
       topics.reflex_since != 0 && !series_.state.empty() &&
       seconds(series_.state.back().time_ns - topics.reflex_since) > kReflexPatience;
-  drain(topics.command, topics.command_log, series_.command, command);
-  const std::size_t plans_before = series_.plan.size();
-  const bool has_plan = drain(topics.plan, topics.plan_log, series_.plan, plan);
   for (std::size_t i = plans_before; i < series_.plan.size() && !topics.task_start; ++i) {
     if (series_.plan[i].rolling) topics.task_start = series_.plan[i].state_ns;
   }
-  drain(topics.estimate, topics.estimate_log, series_.estimate, estimate);
-  while (topics.detection.take(detection)) topics.detection_log.add(detection);
 
   // the same count as evaluate(): scenes from the first plan that rolls
   for (; topics.counted < series_.scene.size() && topics.task_start; ++topics.counted) {
@@ -245,14 +263,15 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
     const auto process = static_cast<std::size_t>(status.process);
     if (process < live_.services.size()) live_.services[process] = status;
   }
-  if (has_scene) {
+  if (topics.recorded.of<wire::Scene>().any) {
     live_.any = true;
-    live_.time = seconds(scene.header.time_ns - start_ns(series_));
+    live_.time = seconds(series_.scene.back().time_ns - start_ns(series_));
     const SceneRow& row = series_.scene.back();
     const double elapsed = topics.task_start ? seconds(row.time_ns - *topics.task_start) : 0.0;
     live_.ball_error = worst_error(goal_.task, elapsed, row);
   }
-  if (has_plan) live_.plan = plan;
+  const auto& plans = topics.recorded.of<wire::Plan>();
+  if (plans.any) live_.plan = plans.newest;
   live_.rolling = topics.task_start.has_value();
   live_.turns = topics.course.progress().amount();
   live_.loops = topics.course.progress().completed();

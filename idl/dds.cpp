@@ -25,6 +25,7 @@ constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 // a writer of a periodic topic that misses so many of its deadlines in a row is gone
 constexpr double kMissedDeadlines = 5.0;
 constexpr double kSilence_s = 0.5;  // of a topic without a deadline
+constexpr int kRobotState = topic<RobotState>().stream;
 
 Entity created(dds_entity_t handle, const std::string& what) {
   if (handle < 0) throw WireError("cannot create " + what + ": " + dds_strretcode(handle));
@@ -223,18 +224,18 @@ struct Bus::Implementation {
 
   /// Whether a new writer of that topic may tell of a new plant. What moves the robot goes first:
   /// once the robot's state has been heard, no scene tells of another plant.
-  bool may_tell(Stream stream) const noexcept {
+  bool may_tell(int stream) const noexcept {
     return settings.session_id == 0 &&
-           (stream == Stream::kRobotState || session_told_by.load() != Stream::kRobotState);
+           (stream == kRobotState || session_told_by.load() != kRobotState);
   }
-  void adopt(std::uint64_t id, Stream told_by) noexcept {
+  void adopt(std::uint64_t id, int told_by) noexcept {
     if (!may_tell(told_by)) return;
     session_told_by.store(told_by);
     session.store(id);
   }
 
   BusSettings settings;
-  std::atomic<Stream> session_told_by{Stream::kNone};
+  std::atomic<int> session_told_by{kNoStream};
   std::atomic<std::uint64_t> session;
   std::array<std::atomic<std::uint64_t>, c3rt_v1_TOPIC_COUNT> written{};
   bool held_back = false;
@@ -260,9 +261,7 @@ std::uint64_t Bus::session_id() const noexcept {
   return implementation_->session.load(std::memory_order_relaxed);
 }
 
-void Bus::adopt_session(std::uint64_t id) noexcept {
-  implementation_->adopt(id, Stream::kRobotState);
-}
+void Bus::adopt_session(std::uint64_t id) noexcept { implementation_->adopt(id, kRobotState); }
 
 std::vector<PeerProblem> Bus::problems() const {
   const std::lock_guard lock(implementation_->endpoints_mutex);
@@ -304,8 +303,8 @@ bool Bus::wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::st
     const ReaderBase* behind = nullptr;
     for (ReaderBase* reader : implementation_->readers) {
       reader->pump();
-      if (reader->topic_.stream == Stream::kNone) continue;
-      const std::uint64_t promised = newest_seq[static_cast<int>(reader->topic_.stream)];
+      if (reader->topic_.stream == kNoStream) continue;
+      const std::uint64_t promised = newest_seq[reader->topic_.stream];
       reader->allow(promised);
       if (reader->newest_seq() < promised) behind = reader;
     }
@@ -355,8 +354,7 @@ bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t t
   header.time_ns = time_ns;
   if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) return false;
   seq_.store(seq);
-  if (topic_.stream != Stream::kNone)
-    bus_.implementation_->written[static_cast<int>(topic_.stream)].store(seq);
+  if (topic_.stream != kNoStream) bus_.implementation_->written[topic_.stream].store(seq);
   return true;
 }
 
@@ -467,7 +465,7 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
   if (wakes == Wakes::kBus) {
     bus.implementation_->waiter.attach(self.condition);
     bus.implementation_->readers.push_back(this);
-    if (bus.implementation_->held_back && topic.stream != Stream::kNone) self.allowed = 0;
+    if (bus.implementation_->held_back && topic.stream != kNoStream) self.allowed = 0;
   } else {
     self.waiter = std::make_unique<Waiter>(bus.participant(), "the reader of " + name);
     self.waiter->attach(self.condition);
@@ -524,7 +522,7 @@ void ReaderBase::wait(std::int64_t timeout_ns) { implementation_->waiter->wait(t
 void ReaderBase::interrupt() noexcept { implementation_->waiter->interrupt(); }
 
 void ReaderBase::allow(std::uint64_t seq) noexcept {
-  if (topic_.stream != Stream::kNone) implementation_->allowed = seq;
+  if (topic_.stream != kNoStream) implementation_->allowed = seq;
 }
 
 Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept {

@@ -172,10 +172,8 @@ struct ReaderCounters {
   }
 };
 
-/// Requests: what is refused is kept, so that it can be answered.
 template <typename T>
-constexpr bool kAnswered = std::is_same_v<T, TaskTarget> || std::is_same_v<T, FaultInject> ||
-                           std::is_same_v<T, ServiceRequest>;
+constexpr bool kAnswered = topic<T>().trait == Trait::kAnswered;
 
 /// Whom a reader's new sample wakes.
 enum class Wakes {

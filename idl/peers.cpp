@@ -185,7 +185,7 @@ std::vector<PeerProblem> Peers::problems(const std::vector<Endpoint>& ours) {
     const auto partners = matched(endpoint);
     if (std::find(partners.begin(), partners.end(), peer_handle) != partners.end()) return;
     if (!same_addressee(qos.get(), peer.qos)) {
-      if (!endpoint.topic->addressed)
+      if (endpoint.topic->trait != Trait::kAddressed)
         report("is in " + partitions(peer.qos), "in " + partitions(qos.get()));
       return;
     }

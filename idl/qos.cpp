@@ -41,7 +41,7 @@ Names all_processes() {
 
 // a partition for each process
 void set_addressee(dds_qos_t* qos, const Topic& topic, std::optional<Process> addressee) {
-  if (!topic.addressed) return;
+  if (topic.trait != Trait::kAddressed) return;
   Names names = all_processes();
   if (addressee) {
     dds_qset_partition1(qos, process_name(*addressee));

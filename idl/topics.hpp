@@ -1,43 +1,28 @@
 #pragma once
-// Every topic in one table: type, name, quality of service, writer and readers, rate.
+// Every topic in one table. A new topic is a struct in c3rt.idl and a line here (and its ranges in
+// validate.cpp, where it has some): its type, what readers and writers do with it, echo, hz,
+// topics, recorder and the tests follow from them.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
-#include "c3rt.h"  // generated from idl/c3rt.idl
+#include "c3rt.h"         // generated from idl/c3rt.idl
+#include "c3rt_fields.h"  // the same: the fields of its structs by name
 
 namespace c3rt::wire {
 
 using Header = c3rt_v1_Header;
 using Origin = c3rt_v1_Origin;
-using RobotState = c3rt_v1_RobotState;
-using RobotCommand = c3rt_v1_RobotCommand;
-using Plan = c3rt_v1_Plan;
-using BallDetection = c3rt_v1_BallDetection;
-using BallEstimate = c3rt_v1_BallEstimate;
-using TaskTarget = c3rt_v2_TaskTarget;
-using Scene = c3rt_v1_Scene;
-using Tick = c3rt_v1_Tick;
-using Done = c3rt_v1_Done;
 using Quantiles = c3rt_v1_Quantiles;
 using RefusedSamples = c3rt_v2_RefusedSamples;
-using ServiceStatus = c3rt_v2_ServiceStatus;
-using ServiceRequest = c3rt_v1_ServiceRequest;
-using ServiceReply = c3rt_v2_ServiceReply;
-using FaultInject = c3rt_v2_FaultInject;
 using Process = c3rt_v1_Process;
 
-using Sequences = decltype(c3rt_v1_Tick::newest_seq);  // by Stream
-
-/// Kinds of refused samples that a status lists.
-inline int refused_kinds(const ServiceStatus& status) {
-  int count = 0;
-  while (count < c3rt_v2_REFUSALS && status.refused[count].topic[0] != '\0') ++count;
-  return count;
-}
-
-constexpr int kProcessCount = 5;
-const char* process_name(Process process);  // "plant", "impedance", "planner", "vision", "recorder"
+constexpr int kProcessCount = enumerators(Process{});
+/// "plant", "impedance", "planner", "vision", "recorder"
+inline const char* process_name(Process process) { return name_of(process); }
 
 /// How a topic behaves on the network; the numbers stand in qos.cpp, once.
 enum class Qos {
@@ -48,50 +33,144 @@ enum class Qos {
   kSync,    // reliable, keep last 256: lockstep only
 };
 
-/// Streams whose newest sequence number a Tick carries (index into Tick.newest_seq); -1: not in a
-/// tick.
-enum class Stream : int {
-  kNone = -1,
-  kRobotState = 0,
-  kRobotCommand = 1,
-  kPlan = 2,
-  kBallEstimate = 3,
-  kBallDetection = 4,
-  kScene = 5,
+/// What is special about a topic.
+enum class Trait {
+  kNone,
+  kAddressed,  // each sample is for one process: writers and readers may name it, and then it costs
+               // nobody else anything. Who names no process writes to and reads of all.
+  kAnswered,   // a request: what is refused is kept, so that it can be answered
 };
+
+constexpr int kNoStream = -1;
 
 struct Topic {
   const char* name;
   const dds_topic_descriptor_t* descriptor;
   Qos qos;
-  Stream stream;
   /// The one process that writes it, where there must be only one: what moves the robot and what
   /// that is made from. A reader obeys one writer (one_writer.hpp), in the plant's session alone;
   /// others are refused and named.
   std::optional<Process> writer;
   double deadline_s;  // 0: none. Requested and offered where the topic is periodic (realtime only).
-  /// Each sample is for one process: writers and readers may name it, and then it costs nobody else
-  /// anything. Who names no process writes to and reads of all.
-  bool addressed = false;
+  Trait trait;
+  /// Index into Tick.newest_seq of the topics that are recorded, and that lockstep waits for: those
+  /// of the qualities kStream and kPlan.
+  int stream = kNoStream;
+};
+
+namespace table {
+
+constexpr std::nullopt_t kMany = std::nullopt;  // clients, or every process
+constexpr Process kPlant = c3rt_v1_PROCESS_PLANT;
+constexpr Process kImpedance = c3rt_v1_PROCESS_IMPEDANCE;
+constexpr Process kPlanner = c3rt_v1_PROCESS_PLANNER;
+constexpr Process kVision = c3rt_v1_PROCESS_VISION;
+
+}  // namespace table
+
+// clang-format off
+//      type, module,        name               quality  writer      deadline  trait          // readers and rate
+#define C3RT_TOPICS(TOPIC)                                                                                              \
+  TOPIC(Scene, v1,           "sim/scene",       kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
+  TOPIC(RobotState, v1,      "robot/state",     kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
+  TOPIC(RobotCommand, v1,    "robot/command",   kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
+  TOPIC(Plan, v1,            "plan",            kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
+  TOPIC(BallEstimate, v1,    "ball/estimate",   kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
+  TOPIC(BallDetection, v1,   "ball/detection",  kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
+  TOPIC(TaskTarget, v2,      "task/target",     kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
+  TOPIC(Tick, v1,            "sim/tick",        kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
+  TOPIC(Done, v1,            "sim/done",        kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
+  TOPIC(ServiceStatus, v2,   "service/status",  kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
+  TOPIC(ServiceRequest, v1,  "service/request", kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
+  TOPIC(ServiceReply, v2,    "service/reply",   kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
+  TOPIC(FaultInject, v2,     "fault/inject",    kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
+// clang-format on
+
+#define C3RT_TOPIC(Type, module, ...) using Type = c3rt_##module##_##Type;
+C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
+
+namespace table {
+
+enum Place {
+#define C3RT_TOPIC(Type, ...) kPlaceOf##Type,
+  C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
+      kCount
 };
 
 template <typename T>
-const Topic& topic();  // specialised for each type below, in topics.cpp
+struct PlaceOf;
+template <int place>
+struct TypeAt;
+#define C3RT_TOPIC(Type, ...)                    \
+  template <>                                    \
+  struct PlaceOf<Type> {                         \
+    static constexpr int value = kPlaceOf##Type; \
+  };                                             \
+  template <>                                    \
+  struct TypeAt<kPlaceOf##Type> {                \
+    using type = Type;                           \
+  };
+C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
 
-// clang-format off
-template <> const Topic& topic<RobotState>();      // robot/state      plant -> all              1 kHz
-template <> const Topic& topic<RobotCommand>();    // robot/command    impedance -> plant        1 kHz
-template <> const Topic& topic<Plan>();            // plan             planner -> impedance      75 Hz
-template <> const Topic& topic<BallDetection>();   // ball/detection   vision -> clients         camera rate
-template <> const Topic& topic<BallEstimate>();    // ball/estimate    vision -> planner         >= 80 Hz
-template <> const Topic& topic<TaskTarget>();      // task/target      clients -> planner        on change
-template <> const Topic& topic<Scene>();           // sim/scene        plant -> vision, recorder >= 100 Hz
-template <> const Topic& topic<Tick>();            // sim/tick         plant -> all              lockstep
-template <> const Topic& topic<Done>();            // sim/done         all -> plant              lockstep
-template <> const Topic& topic<ServiceStatus>();   // service/status   all -> clients            10 Hz
-template <> const Topic& topic<ServiceRequest>();  // service/request  clients -> all            on demand
-template <> const Topic& topic<ServiceReply>();    // service/reply    all -> clients            on demand
-template <> const Topic& topic<FaultInject>();     // fault/inject     clients -> all            on demand
-// clang-format on
+constexpr std::array<Topic, kCount> make() {
+  std::array<Topic, kCount> topics = {{
+#define C3RT_TOPIC(Type, module, name, quality, writer, deadline, trait) \
+  Topic{name, &c3rt_##module##_##Type##_desc, Qos::quality, writer, deadline, Trait::trait},
+      C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
+  }};
+  int streams = 0;
+  for (Topic& topic : topics) {
+    if (topic.qos == Qos::kStream || topic.qos == Qos::kPlan) topic.stream = streams++;
+  }
+  return topics;
+}
+inline constexpr std::array<Topic, kCount> kTopics = make();
+
+template <int... place>
+std::tuple<typename TypeAt<place>::type...> types(std::integer_sequence<int, place...>);
+
+}  // namespace table
+
+template <typename T>
+constexpr const Topic& topic() {
+  return table::kTopics[table::PlaceOf<T>::value];
+}
+
+/// The types of all topics, in the order of the table.
+using TopicTypes = decltype(table::types(std::make_integer_sequence<int, table::kCount>{}));
+
+/// Calls `action` with a default sample of every topic's type, in the order of the table.
+template <typename Action>
+void for_each_topic(Action&& action) {
+#define C3RT_TOPIC(Type, ...) action(Type{});
+  C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
+}
+
+/// Calls `action` with a default sample of the topic's type. @return false if there is no topic of
+/// this name
+template <typename Action>
+bool with_topic(std::string_view name, Action&& action) {
+  bool found = false;
+  for_each_topic([&](const auto& sample) {
+    if (name != topic<std::decay_t<decltype(sample)>>().name) return;
+    found = true;
+    action(sample);
+  });
+  return found;
+}
+
+using Sequences = decltype(Tick::newest_seq);  // by Topic::stream
+
+/// Kinds of refused samples that a status lists.
+inline int refused_kinds(const ServiceStatus& status) {
+  int count = 0;
+  while (count < c3rt_v2_REFUSALS && status.refused[count].topic[0] != '\0') ++count;
+  return count;
+}
 
 }  // namespace c3rt::wire

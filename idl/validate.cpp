@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace c3rt::wire {
 
@@ -56,10 +57,8 @@ class Check {
     for (int i = 0; i < count; ++i) size(field, values[i], bound, i);
     return *this;
   }
-  Check& finite(const char* field, double value) noexcept { return size(field, value, kAnything); }
-  template <std::size_t n>
-  Check& finite(const char* field, const double (&values)[n]) noexcept {
-    return size(field, values, kAnything);
+  Check& finite(const char* field, double value, int index = -1) noexcept {
+    return size(field, value, kAnything, index);
   }
   /// The used part of an array of arrays.
   template <std::size_t rows, std::size_t columns>
@@ -94,24 +93,25 @@ class Check {
   }
   // an enumerator or a truth value that is none must not even be read as one
   template <typename E>
-  Check& enumerator(const char* field, const E& value, E last) noexcept {
+  Check& enumerator(const char* field, const E& value, int index) noexcept {
     static_assert(sizeof(E) == sizeof(std::uint32_t));
+    constexpr std::uint32_t kLast = enumerators(E{}) - 1;
     std::uint32_t raw = 0;
     std::memcpy(&raw, &value, sizeof raw);
-    if (!found_ && raw > static_cast<std::uint32_t>(last))
+    if (!found_ && raw > kLast)
       found_ = {Reason::kValue,
                 field,
-                -1,
+                index,
                 Refusal::Expected::kEnumerator,
                 static_cast<double>(raw),
                 0.0,
-                static_cast<double>(last)};
+                static_cast<double>(kLast)};
     return *this;
   }
-  Check& truth(const char* field, const bool& value) noexcept {
+  Check& truth(const char* field, const bool& value, int index) noexcept {
     std::uint8_t raw = 0;
     std::memcpy(&raw, &value, sizeof raw);
-    return within(field, raw, 0.0, 1.0);
+    return within(field, raw, 0.0, 1.0, index);
   }
   /// A text that ends and says nothing to a terminal but letters.
   template <std::size_t n>
@@ -130,10 +130,6 @@ class Check {
                 static_cast<double>(length),
                 0.0,
                 static_cast<double>(n - 1)};
-    return *this;
-  }
-  Check& quantiles(const char* field, const Quantiles& q) noexcept {
-    for (const double value : {q.p50_s, q.p95_s, q.p99_s, q.p999_s, q.max_s}) finite(field, value);
     return *this;
   }
   double latest(std::int64_t ahead_ns) const noexcept {
@@ -224,41 +220,80 @@ Refusal validate(const Header& header, bool one_writer, std::int64_t latest_ns) 
   return refusal;
 }
 
-Refusal validate(const RobotState& s) noexcept {
-  return Check(s.header)
-      .within("robot", s.robot, 0, 0)
+namespace {
+
+/// The rules of form, which hold for every type.
+class Form {
+ public:
+  explicit Form(Check& check) noexcept : check_(check) {}
+
+  template <typename T>
+  void operator()(const char* name, const T& value) noexcept {
+    look(name, value, -1);
+  }
+  void machine_time(const char* name, double value) noexcept { look(name, value, -1); }
+  /// The first `count` of an array.
+  template <typename T, std::size_t n>
+  void list(const char* name, const T (&values)[n], int count) noexcept {
+    check_.within(name, count, 0, static_cast<double>(n));
+    for (int i = 0; i < count && !check_.finding(); ++i) look(name, values[i], i);
+  }
+
+ private:
+  template <typename T>
+  void look(const char* name, const T& value, int index) noexcept {
+    if constexpr (std::is_same_v<T, Header>) {
+      // validate(const Header&) has looked
+    } else if constexpr (std::is_array_v<T>) {
+      if constexpr (std::is_same_v<std::remove_extent_t<T>, char>) {
+        check_.text(name, value, index);
+      } else if constexpr (std::rank_v<T> == 1 ||
+                           std::is_same_v<std::remove_all_extents_t<T>, char>) {
+        int i = 0;
+        for (const auto& element : value) look(name, element, i++);
+      }
+    } else if constexpr (std::is_enum_v<T>) {
+      check_.enumerator(name, value, index);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      check_.truth(name, value, index);
+    } else if constexpr (std::is_floating_point_v<T>) {
+      check_.finite(name, value, index);
+    } else if constexpr (std::is_class_v<T>) {
+      visit_fields(value, *this);
+    }
+  }
+  Check& check_;
+};
+
+template <typename T>
+void check_ranges(const T&, Check&) noexcept {}  // nothing beyond the form
+
+void check_ranges(const RobotState& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
       .size("q_rad", s.q_rad, kJoint_rad)
       .size("dq_rad_per_s", s.dq_rad_per_s, kJointSpeed_rad_per_s)
       .size("tau_nm", s.tau_nm, kTorque_nm)
       .size("p_WE_m", s.p_WE_m, kReach_m)
       .unit_or_none("q_WE", s.q_WE)
-      .enumerator("mode", s.mode, c3rt_v1_ROBOT_USER_STOPPED)
       .within("command_success_rate", s.command_success_rate, 0.0, 1.0)
-      .stamp("command_state_ns", s.command_state_ns)
-      .finding();
+      .stamp("command_state_ns", s.command_state_ns);
 }
 
-Refusal validate(const RobotCommand& s) noexcept {
-  return Check(s.header)
-      .within("robot", s.robot, 0, 0)
+void check_ranges(const RobotCommand& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
       .stamps(s.origin)
       .size("tau_nm", s.tau_nm, kTorque_nm)
-      .enumerator("mode", s.mode, c3rt_v1_IMPEDANCE_STOP)
       .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
-      .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s)
-      .finding();
+      .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s);
 }
 
-Refusal validate(const Plan& s) noexcept {
-  return Check(s.header)
-      .within("robot", s.robot, 0, 0)
+void check_ranges(const Plan& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
       .stamps(s.origin)
       .within(
           "valid_until_ns after time_ns in seconds",
           (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns)) * 1e-9,
           0.0, kLongestPlan_s)
-      .enumerator("status", s.status, c3rt_v1_PLAN_FALLBACK)
-      .enumerator("phase", s.phase, c3rt_v1_PHASE_HOLD)
       .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
       .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s)
       .unit("q_WE_desired", s.q_WE_desired)
@@ -271,58 +306,41 @@ Refusal validate(const Plan& s) noexcept {
       .within("n_u", s.n_u, 0, c3rt_v1_MAX_INPUTS)
       .within("N", s.N, 0, c3rt_v1_MAX_HORIZON)
       .within("admm_iterations", s.admm_iterations, 0, c3rt_v1_MAX_ADMM)
-      .finite("u_c3", s.u_c3)
-      .finite("lambda_d", s.lambda_d)
       .finite("x", s.x, s.N, s.n_x)
       .finite("lambda", s.lambda, s.N, s.n_lambda)
-      .finite("u", s.u, s.N, s.n_u)
-      .finite("primal_residual", s.primal_residual)
-      .finite("complementarity_violation", s.complementarity_violation)
-      .finding();
+      .finite("u", s.u, s.N, s.n_u);
 }
 
-Refusal validate(const BallDetection& s) noexcept {
-  return Check(s.header)
-      .within("camera", s.camera, 0, kCameras - 1)
+void check_ranges(const BallDetection& s, Check& check) noexcept {
+  check.within("camera", s.camera, 0, kCameras - 1)
       .within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
       .stamp("exposure_ns", s.exposure_ns)
-      .truth("found", s.found)
-      .truth("used", s.used)
       .size("u_px", s.u_px, kPixels)
       .size("v_px", s.v_px, kPixels)
       .within("radius_px", s.radius_px, 0.0, kPixels)
-      .size("p_WB_m", s.p_WB_m, kBallSeen_m)
-      .finding();
+      .size("p_WB_m", s.p_WB_m, kBallSeen_m);
 }
 
-Refusal validate(const BallEstimate& s) noexcept {
-  return Check(s.header)
-      .within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
+void check_ranges(const BallEstimate& s, Check& check) noexcept {
+  check.within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
       .stamp("exposure_ns", s.exposure_ns)
-      .truth("valid", s.valid)
       .within("cameras_used", s.cameras_used, 0, kCameras)
       .size("p_measured_m", s.p_measured_m, kBallSeen_m)
       .size("p_WB_m", s.p_WB_m, kBallSeen_m)
       .size("v_WB_m_per_s", s.v_WB_m_per_s, kBallSpeed_m_per_s)
       .size("omega_rad_per_s", s.omega_rad_per_s, kBallSpin_rad_per_s)
-      .unit("q_WB", s.q_WB)
-      .finding();
+      .unit("q_WB", s.q_WB);
 }
 
 // what this robot can reach is the planner's to say; here is what no planner could do
-Refusal validate(const TaskTarget& s) noexcept {
-  return Check(s.header)
-      .enumerator("kind", s.kind, c3rt_v1_TARGET_POINT)
-      .size("center_m", s.center_m, kBallSeen_m)
+void check_ranges(const TaskTarget& s, Check& check) noexcept {
+  check.size("center_m", s.center_m, kBallSeen_m)
       .size("radius_m", s.radius_m, kBallSeen_m)
-      .size("lead_rad", s.lead_rad, 100.0)
-      .finding();
+      .size("lead_rad", s.lead_rad, 100.0);
 }
 
-Refusal validate(const Scene& s) noexcept {
-  Check check(s.header);
-  check.truth("exposure", s.exposure)
-      .size("q_rad", s.q_rad, kJoint_rad)
+void check_ranges(const Scene& s, Check& check) noexcept {
+  check.size("q_rad", s.q_rad, kJoint_rad)
       .size("p_WE_m", s.p_WE_m, kReach_m)
       .within("ball_count", s.ball_count, 0, c3rt_v1_MAX_BALLS);
   const int balls = check.finding() ? 0 : static_cast<int>(s.ball_count);
@@ -332,54 +350,27 @@ Refusal validate(const Scene& s) noexcept {
         .size("v_WB_m_per_s", s.v_WB_m_per_s[i], kBallSpeedAnywhere_m_per_s)
         .size("omega_rad_per_s", s.omega_rad_per_s[i], kBallSpinAnywhere_rad_per_s);
   }
-  return check.finding();
 }
 
-Refusal validate(const Tick&) noexcept { return {}; }
-
-Refusal validate(const Done& s) noexcept {
-  return Check(s.header).enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER).finding();
+void check_ranges(const ServiceStatus& s, Check& check) noexcept {
+  check.within("rate_hz", s.rate_hz, 0.0, kAnything);
 }
 
-Refusal validate(const ServiceStatus& s) noexcept {
-  Check check(s.header);
-  check.enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
-      .enumerator("state", s.state, c3rt_v1_SERVICE_STOPPING)
-      .text("text", s.text)
-      .within("rate_hz", s.rate_hz, 0.0, kAnything)
-      .quantiles("wakeup_latency", s.wakeup_latency)
-      .quantiles("compute", s.compute);
-  for (int i = 0; i < c3rt_v2_COUNTERS; ++i) check.text("counter_names", s.counter_names[i], i);
-  for (int i = 0; i < c3rt_v2_REFUSALS; ++i) {
-    check.text("refused.topic", s.refused[i].topic, i)
-        .text("refused.reason", s.refused[i].reason, i)
-        .text("refused.latest", s.refused[i].latest, i);
+void check_ranges(const FaultInject& s, Check& check) noexcept {
+  check.within("duration_s", s.duration_s, 0.0, kLongest_s).size("value", s.value, kForce_n);
+}
+
+}  // namespace
+
+#define C3RT_TOPIC(Type, ...)                     \
+  Refusal validate(const Type& sample) noexcept { \
+    Check check(sample.header);                   \
+    check_ranges(sample, check);                  \
+    Form form(check);                             \
+    visit_fields(sample, form);                   \
+    return check.finding();                       \
   }
-  return check.finding();
-}
-
-Refusal validate(const ServiceRequest& s) noexcept {
-  return Check(s.header)
-      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
-      .enumerator("verb", s.verb, c3rt_v1_REQUEST_SHUTDOWN)
-      .finding();
-}
-
-Refusal validate(const ServiceReply& s) noexcept {
-  return Check(s.header)
-      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
-      .truth("ok", s.ok)
-      .text("text", s.text)
-      .finding();
-}
-
-Refusal validate(const FaultInject& s) noexcept {
-  return Check(s.header)
-      .enumerator("process", s.process, c3rt_v1_PROCESS_RECORDER)
-      .enumerator("kind", s.kind, c3rt_v1_FAULT_NAN)
-      .within("duration_s", s.duration_s, 0.0, kLongest_s)
-      .size("value", s.value, kForce_n)
-      .finding();
-}
+C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
 
 }  // namespace c3rt::wire

@@ -46,20 +46,11 @@ constexpr std::int64_t kAhead_ns = 1'000'000'000;
 /// RT: no heap, no lock, no throw.
 Refusal validate(const Header& header, bool one_writer, std::int64_t latest_ns) noexcept;
 
-// Each of these is RT: no heap, no lock, no throw. The ranges are wide: they keep out what cannot
-// be, not what a controller would rather not have.
-Refusal validate(const RobotState& sample) noexcept;
-Refusal validate(const RobotCommand& sample) noexcept;
-Refusal validate(const Plan& sample) noexcept;
-Refusal validate(const BallDetection& sample) noexcept;
-Refusal validate(const BallEstimate& sample) noexcept;
-Refusal validate(const TaskTarget& sample) noexcept;
-Refusal validate(const Scene& sample) noexcept;
-Refusal validate(const Tick& sample) noexcept;
-Refusal validate(const Done& sample) noexcept;
-Refusal validate(const ServiceStatus& sample) noexcept;
-Refusal validate(const ServiceRequest& sample) noexcept;
-Refusal validate(const ServiceReply& sample) noexcept;
-Refusal validate(const FaultInject& sample) noexcept;
+/// Of every topic's type: each number that is used is finite, enumerators and truth values exist,
+/// texts end; and what the type's own ranges in validate.cpp say. The ranges are wide: they keep
+/// out what cannot be, not what a controller would rather not have. RT: no heap, no lock, no throw.
+#define C3RT_TOPIC(Type, ...) Refusal validate(const Type& sample) noexcept;
+C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
 
 }  // namespace c3rt::wire

@@ -27,8 +27,7 @@ wire::Plan plan() {
 
 std::uint64_t hash_of(const wire::Plan& sample) {
   HashVisitor visitor;
-  visitor.header(sample.header);
-  visit_fields(sample, visitor);
+  visit_sample(sample, visitor);
   return visitor.value();
 }
 
@@ -78,8 +77,8 @@ TEST_CASE("the hash does not see the padding between the fields") {
   copy_fields(zeros);
   copy_fields(ones);
   HashVisitor a, b;
-  visit_fields(zeros, a);
-  visit_fields(ones, b);
+  visit_sample(zeros, a);
+  visit_sample(ones, b);
   REQUIRE(a.value() == b.value());
 }
 

@@ -27,15 +27,8 @@ std::string row(const wire::Topic& topic) {
 
 TEST_CASE("clients page: every topic's row has its type and the QoS of our writers and readers") {
   const std::string page = read("docs/clients.md");
-  for (const wire::Topic* topic :
-       {&wire::topic<wire::RobotState>(), &wire::topic<wire::RobotCommand>(),
-        &wire::topic<wire::Plan>(), &wire::topic<wire::BallDetection>(),
-        &wire::topic<wire::BallEstimate>(), &wire::topic<wire::TaskTarget>(),
-        &wire::topic<wire::Scene>(), &wire::topic<wire::Tick>(), &wire::topic<wire::Done>(),
-        &wire::topic<wire::ServiceStatus>(), &wire::topic<wire::ServiceRequest>(),
-        &wire::topic<wire::ServiceReply>(), &wire::topic<wire::FaultInject>()}) {
-    CHECK_THAT(page, Catch::Contains(row(*topic)));
-  }
+  for (const wire::Topic& topic : wire::table::kTopics)
+    CHECK_THAT(page, Catch::Contains(row(topic)));
 }
 
 TEST_CASE("clients page: the programs on it are those that are installed") {

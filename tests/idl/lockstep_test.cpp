@@ -266,7 +266,7 @@ TEST_CASE("Loop: names the topic whose promised sample does not come") {
   Loop loop(bus, settings);
   Tick tick{};
   tick.due = 1u << c3rt_v1_PROCESS_VISION;
-  tick.newest_seq[static_cast<int>(Stream::kScene)] = 4;
+  tick.newest_seq[topic<Scene>().stream] = 4;
   ticks.write(tick, 7 * kMs);
   std::int64_t now_ns = 0;
   CHECK_FALSE(loop.wait(now_ns));

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <type_traits>
 
 #include <catch2/catch.hpp>
 
@@ -19,13 +20,12 @@ static_assert(sizeof(Tick::newest_seq) == sizeof(Done::newest_seq));
 static_assert(sizeof(Tick::newest_seq) == c3rt_v1_TOPIC_COUNT * sizeof(std::uint64_t));
 static_assert(sizeof(ServiceStatus::counters) == c3rt_v2_COUNTERS * sizeof(std::uint64_t));
 
-template <typename... T>
-std::map<std::string, const Topic*> table() {
-  return {{topic<T>().name, &topic<T>()}...};
+std::map<std::string, const Topic*> table_by_name() {
+  std::map<std::string, const Topic*> topics;
+  for (const Topic& topic : table::kTopics) topics[topic.name] = &topic;
+  return topics;
 }
-const auto kTopics =
-    table<RobotState, RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick,
-          Done, ServiceStatus, ServiceRequest, ServiceReply, FaultInject>();
+const auto kTopics = table_by_name();
 
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
@@ -36,15 +36,75 @@ TEST_CASE("topics: the names are those of the contract, each once") {
                                        "service/reply", "fault/inject"});
 }
 
+TEST_CASE("topics: a type has its own line of the table") {
+  CHECK(kTopics.size() == table::kTopics.size());
+  CHECK(topic<Plan>().name == std::string("plan"));
+  CHECK(topic<Plan>().writer == c3rt_v1_PROCESS_PLANNER);
+  CHECK(topic<Tick>().trait == Trait::kAddressed);
+  int topics = 0;
+  for_each_topic([&](const auto& sample) {
+    const Topic& one = topic<std::decay_t<decltype(sample)>>();
+    CHECK(&one == &table::kTopics[static_cast<std::size_t>(topics++)]);
+    bool found = false;
+    CHECK(with_topic(one.name, [&](const auto& same) {
+      found = std::is_same_v<decltype(same), decltype(sample)>;
+    }));
+    CHECK(found);
+  });
+  CHECK(topics == static_cast<int>(kTopics.size()));
+  CHECK_FALSE(with_topic("robot", [](const auto&) {}));
+}
+
+TEST_CASE("topics: streams are those that a recorder keeps and lockstep waits for") {
+  for (const Topic& topic : table::kTopics) {
+    INFO(topic.name);
+    CHECK((topic.stream != kNoStream) == (topic.qos == Qos::kStream || topic.qos == Qos::kPlan));
+  }
+}
+
+/// A field's name and size in bytes, as a visitor sees them.
+struct Seen {
+  template <typename T>
+  void operator()(const char* name, const T& value) {
+    names.insert(name);
+    bytes += sizeof value;
+  }
+  template <typename T>
+  void list(const char* name, const T& values, int) {
+    (*this)(name, values);
+  }
+  void machine_time(const char* name, const double& value) { (*this)(name, value); }
+  std::set<std::string> names;
+  std::size_t bytes = 0;
+};
+
+TEST_CASE("fields: every field of every topic's type is visited once, under its own name") {
+  for_each_topic([](const auto& sample) {
+    Seen seen;
+    visit_fields(sample, seen);
+    INFO(topic<std::decay_t<decltype(sample)>>().name);
+    CHECK(seen.names.count("header") == 1);
+    // what is missing is padding: less than eight bytes for each field
+    CHECK(seen.bytes <= sizeof sample);
+    CHECK(seen.bytes + 7 * seen.names.size() >= sizeof sample);
+  });
+}
+
+TEST_CASE("enumerators: the word is what is left without what all of them begin with") {
+  CHECK(name_of(c3rt_v1_ROBOT_USER_STOPPED) == std::string("user stopped"));
+  CHECK(name_of(c3rt_v1_IMPEDANCE_TRACK) == std::string("track"));
+  CHECK(enumerators(c3rt_v1_ROBOT_IDLE) == 4);
+}
+
 TEST_CASE("topics: no two topics share a type or a place in a tick") {
   std::set<const void*> types;
   std::set<int> places;
   for (const auto& [name, topic] : kTopics) {
     INFO(name);
     CHECK(types.insert(topic->descriptor).second);
-    if (topic->stream == Stream::kNone) continue;
-    CHECK(places.insert(static_cast<int>(topic->stream)).second);
-    CHECK(static_cast<int>(topic->stream) < c3rt_v1_TOPIC_COUNT);
+    if (topic->stream == kNoStream) continue;
+    CHECK(places.insert(topic->stream).second);
+    CHECK(topic->stream < c3rt_v1_TOPIC_COUNT);
   }
 }
 

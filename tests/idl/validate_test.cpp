@@ -162,9 +162,7 @@ void spoil(unsigned char* word, std::size_t size, Random& random) {
   }
 }
 
-TEMPLATE_TEST_CASE("validate: what passes is usable, whatever bytes came", "", RobotState,
-                   RobotCommand, Plan, BallDetection, BallEstimate, TaskTarget, Scene, Tick, Done,
-                   ServiceStatus, ServiceRequest, ServiceReply, FaultInject) {
+TEMPLATE_LIST_TEST_CASE("validate: what passes is usable, whatever bytes came", "", TopicTypes) {
   constexpr std::size_t kWords = sizeof(TestType) / 8;
   int passed = 0;
   for (int i = 0; i < c3rt::test::property_instances(); ++i) {

@@ -243,8 +243,8 @@ TEST_CASE(
     wire::RobotState state = robot_state(k * kMs);
     states.write(state, k * kMs);
     wire::Sequences promised{};
-    promised[static_cast<int>(wire::Stream::kRobotState)] = states.seq();
-    promised[static_cast<int>(wire::Stream::kPlan)] = plans.seq();
+    promised[wire::topic<wire::RobotState>().stream] = states.seq();
+    promised[wire::topic<wire::Plan>().stream] = plans.seq();
     std::string missing;
     REQUIRE(process.bus.wait_for(promised, 10 * kSecond, missing));
     process.servo.cycle(k * kMs);
