@@ -23,19 +23,19 @@ void bench(const BenchSettings& settings) {
         settings.name, program.string()));
   }
   std::vector<std::string> words{program.string()};
-  if (!settings.filter.empty()) words.push_back("--benchmark_filter=" + settings.filter);
+  if (!settings.filter.empty()) words.emplace_back("--benchmark_filter=" + settings.filter);
   if (settings.repetitions > 1) {
     words.push_back(fmt::format("--benchmark_repetitions={}", settings.repetitions));
-    words.push_back("--benchmark_display_aggregates_only=true");
+    words.emplace_back("--benchmark_display_aggregates_only=true");
     // what disturbs the machine for a while disturbs no benchmark alone
-    words.push_back("--benchmark_enable_random_interleaving=true");
+    words.emplace_back("--benchmark_enable_random_interleaving=true");
   }
   if (!settings.json.empty()) {
     if (!std::ofstream(settings.json, std::ios::app)) {
       throw UsageError(fmt::format("{}: expected a file that can be written", settings.json));
     }
     words.push_back("--benchmark_out=" + settings.json);
-    words.push_back("--benchmark_out_format=json");
+    words.emplace_back("--benchmark_out_format=json");
   }
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

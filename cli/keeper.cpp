@@ -42,7 +42,7 @@ Keeper::Keeper(Launch& launch, Supervisor& supervisor)
 std::optional<ChildExit> Keeper::step() {
   const double now = now_s();
   hear(now);
-  while (const auto end = supervisor_.take_ended()) {
+  while (auto end = supervisor_.take_ended()) {
     // somebody else may have heard of all four a moment earlier
     for (int i = 0; i < 20 && !came_up_ && !launch_.lockstep(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -63,7 +63,7 @@ bool silent(std::uint32_t domain) {
 
 DomainLock::DomainLock(const std::filesystem::path& directory, std::uint32_t domain,
                        const Instance& self)
-    : domain_(domain), file_(-1), self_(self) {
+    : domain_(domain), self_(self) {
   const std::filesystem::path path = lock_file(directory, domain);
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0)

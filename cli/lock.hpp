@@ -55,7 +55,7 @@ class DomainLock {
  private:
   void write() const;
   std::uint32_t domain_;
-  int file_;
+  int file_ = -1;
   Instance self_;
 };
 

@@ -103,7 +103,7 @@ class CsvVisitor {
       if (!first_) out_.push_back(',');
       first_ = false;
       if (names_) {
-        fmt::format_to(std::back_inserter(out_), "{}", name);
+        out_.append(std::string_view(name));
       } else if constexpr (std::is_array_v<T>) {  // a text; a comma would be another cell
         for (std::size_t i = 0; i < std::size(value) && value[i] != '\0'; ++i)
           out_.push_back(value[i] == ',' || value[i] == '"' ? ' ' : value[i]);

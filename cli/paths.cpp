@@ -22,8 +22,8 @@ namespace c3rt::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kRoom = 256 * 1024;  // at the start [bytes]
-constexpr std::size_t kLeast = 16 * 1024;  // below this a log loses lines [bytes]
+constexpr std::size_t kRoom = std::size_t{256} * 1024;  // at the start [bytes]
+constexpr std::size_t kLeast = std::size_t{16} * 1024;  // below this a log loses lines [bytes]
 
 std::vector<std::string> names_in(const fs::path& directory, const std::string& extension) {
   std::vector<std::string> names;

@@ -15,8 +15,6 @@
 
 #include "cli/supervisor.hpp"
 
-extern char** environ;
-
 namespace c3rt::cli {
 namespace {
 

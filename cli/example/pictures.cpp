@@ -117,7 +117,7 @@ std::vector<Panel> finger_gaiting(const Drawing& d) {
                   d.contact()};
   const c3::Constraints& constraints = d.experiment.constraints;
   bool named = false;
-  for (const VectorXd* bound : {&constraints.x_min[0], &constraints.x_max[0]}) {
+  for (const VectorXd* bound : {constraints.x_min.data(), constraints.x_max.data()}) {
     for (const double y : *bound) {
       if (!std::isfinite(y)) continue;
       positions.curves.push_back(d.level(y, named ? "" : "limits of the fingers", kYellow));

@@ -35,7 +35,7 @@ std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) 
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d way = corners[i + 1] - corners[i];
     const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / kSpacing)));
-    for (int part = 0; part <= parts; ++part) result.push_back(corners[i] + way * part / parts);
+    for (int part = 0; part <= parts; ++part) result.emplace_back(corners[i] + way * part / parts);
   }
   return result;
 }

@@ -49,7 +49,7 @@ ordered_json Context::part(const std::string& name, const std::string& scenario,
     }
   }
   if (stopped()) throw Interrupted{};
-  const ordered_json value = compute();
+  ordered_json value = compute();
   write_text(file, ordered_json{{"key", key}, {"value", value}}.dump(1) + "\n");
   return value;
 }
