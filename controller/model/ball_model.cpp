@@ -211,7 +211,9 @@ ModelKind rolling_ball_kind() {
             return make_rolling_ball({of["end_effector_mass_kg"], of["end_effector_radius_m"],
                                       of["ball_mass_kg"], of["ball_radius_m"], of["table_height_m"],
                                       of["friction_end_effector"], of["friction_table"]});
-          }};
+          },
+          "ball_mass_kg",
+          "ball_radius_m"};
 }
 
 }  // namespace c3rt::model

@@ -201,7 +201,9 @@ ModelKind rolling_balls_kind() {
             parameters.balls.assign(static_cast<std::size_t>(bodies),
                                     {of["ball_mass_kg"], of["ball_radius_m"]});
             return make_rolling_balls(parameters);
-          }};
+          },
+          "ball_mass_kg",
+          "ball_radius_m"};
 }
 
 }  // namespace c3rt::model

@@ -31,6 +31,8 @@ struct ModelKind {
   int min_bodies, max_bodies;  // of a scene that it can be of
   std::vector<ModelKey> keys;
   std::unique_ptr<PlanningModel> (*make)(const ModelValues& values, int bodies);
+  // the keys of a body's mass and size, by which weights and lengths carry over to another body
+  std::string mass_key, size_key;
 };
 
 const std::vector<ModelKind>& model_kinds();

@@ -29,6 +29,8 @@ PlanningProblem planning_problem(const model::PlanningModel& model,
 
 C3Step::C3Step(const Parameters& parameters)
     : dt_(parameters.dt),
+      force_unit_(parameters.model.force_unit),
+      size_ratio_(parameters.model.size_ratio),
       model_(make_model(parameters.model)),
       problem_(planning_problem(*model_, parameters.model)),
       all_contacts_(model::all_contacts(model_->layout())),
@@ -39,6 +41,7 @@ C3Step::C3Step(const Parameters& parameters)
       x_hat_(n_x()),
       x_next_(n_x()) {
   result_.lambda_d = Eigen::VectorXd::Zero(lemke_.size());
+  result_.input_scale = force_unit_;
   for (int active = 0; active < parameters.model.bodies; ++active) {
     roll_.push_back(costs_of(problem_, parameters.roll, active));
     back_.push_back(costs_of(problem_, parameters.back, active));
@@ -60,10 +63,11 @@ StepStatus C3Step::step(const scene::Scene& x_hat, bool rolling, int active, dou
   lcs::Lcs planning =
       model::to_lcs(problem_.contact_model, model_->contact_system(x_hat, problem_.contacts), dt_);
   result_.solution = nullptr;
-  const std::optional<double> scale = lcs::find_force_scale(planning);
-  if (!scale) return StepStatus::kFailed;
-  lcs::scale_forces(planning, *scale);
-  result_.force_scale = model::newtons(problem_.contact_model, *scale, dt_);
+  const std::optional<double> of_model = lcs::find_force_scale(planning);
+  if (!of_model) return StepStatus::kFailed;
+  const double scale = *of_model / (size_ratio_ * size_ratio_);
+  lcs::scale_forces(planning, scale);
+  result_.force_scale = force_unit_ * model::newtons(problem_.contact_model, scale, dt_);
 
   // step 3: Algorithm 1
   use((rolling ? roll_ : back_)[static_cast<std::size_t>(active)]);
@@ -77,6 +81,8 @@ StepStatus C3Step::step(const scene::Scene& x_hat, bool rolling, int active, dou
   const lcs::Lcs stepping = model::stewart_trinkle(all, delta_t_c);
   if (!lcs::step(stepping, x_hat_, result_.u_c3, lemke_, x_next_, result_.lambda_d).ok())
     return StepStatus::kNoStep;
+  result_.lambda_d *= force_unit_;
+  result_.u_c3 *= force_unit_;
   const model::Layout& layout = model_->layout();
   result_.p_WE = x_next_.segment<3>(layout.p_WE);
   result_.v_WE = x_next_.segment<3>(layout.v_WE);

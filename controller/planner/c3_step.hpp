@@ -24,6 +24,7 @@ struct StepResult {
   Eigen::Vector3d u_c3;        // [N]
   Eigen::VectorXd lambda_d;    // of the step over Δt_c (n_lambda_d) [N]
   double force_scale;          // what the solution's λ are to be multiplied with for [N]
+  double input_scale;          // and its u
   // of Algorithm 1, valid until the next step; none where forces of no contact could be scaled
   const c3::Solution* solution;
 };
@@ -61,6 +62,8 @@ class C3Step {
   void use(const c3::Costs& costs);
 
   double dt_;
+  double force_unit_;  // of the model's forces [N]
+  double size_ratio_;
   std::unique_ptr<model::PlanningModel> model_;
   PlanningProblem problem_;
   std::vector<int> all_contacts_;

@@ -93,6 +93,40 @@ ModelParameters load_model(config::Section& section, int bodies) {
   return parameters;
 }
 
+/// How much heavier and larger the model's body is than the one that weights, lengths and forces of
+/// the section were tuned with.
+struct Ratio {
+  double mass = 1.0, size = 1.0;
+};
+
+Ratio load_ratio(config::Section& section, const ModelParameters& model) {
+  if (!section.has("tuned_for")) return {};
+  config::Section tuned = section.section("tuned_for");
+  const double mass = tuned.number("mass_kg", {1e-3, 100}),
+               size = tuned.number("radius_m", {1e-3, 1});
+  tuned.finish();
+  const model::ModelKind& kind = model::model_kind(model.kind);
+  return {model.values[kind.mass_key] / mass, model.values[kind.size_key] / size};
+}
+
+/// Carries what was tuned with one body over to the model's: lengths grow with it, heights are
+/// those above its top, forces grow with its mass.
+void carry_over(const Ratio& ratio, Parameters& parameters) {
+  const model::ModelKind& kind = model::model_kind(parameters.model.kind);
+  const double mass = parameters.model.values[kind.mass_key] / ratio.mass;
+  const double larger = parameters.geometry.ball_radius * (1.0 - 1.0 / ratio.size);
+  parameters.model.values.set(kind.mass_key, mass);
+  parameters.model.force_unit = ratio.mass;
+  parameters.model.size_ratio = ratio.size;
+  HeuristicParameters& heuristic = parameters.heuristic;
+  heuristic.roll_press *= ratio.mass;
+  heuristic.roll_reach *= ratio.size;
+  heuristic.return_back *= ratio.size;
+  heuristic.return_heights.array() += 2.0 * larger;
+  parameters.approach.safe_height += 2.0 * larger;
+  parameters.approach.start_height += larger;
+}
+
 DisturbanceParameters load_disturbance(config::Section section) {
   DisturbanceParameters disturbance{};
   disturbance.noise = section.number("noise_m", {1e-6, 0.1});
@@ -177,6 +211,8 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   if ((parameters.approach.reach_min.array() >= parameters.approach.reach_max.array()).any())
     approach.fail("reach_max_m", "every entry above that of reach_min_m", "one that is not");
   parameters.approach.settle_time = approach.number("settle_time_s", {0, 10});
+  const Ratio ratio = load_ratio(section, parameters.model);
+  if (ratio.mass != 1.0 || ratio.size != 1.0) carry_over(ratio, parameters);
   section.finish();
   return parameters;
 }

@@ -15,7 +15,8 @@ constexpr double kStateTimeout = 0.1;  // [s]
 // [s].
 constexpr double kLeft = 0.2;
 // When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
-constexpr double kOnBallGap = 1.5e-3, kOnBallBeside = 0.025;
+constexpr double kOnBallGap = 1.5e-3;
+constexpr double kOnBallBeside = 0.025 / 0.0315;  // of its radius
 constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
 constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
 constexpr double kNearPoint =
@@ -165,7 +166,7 @@ void Planner::decide_rest(const Input& input, const scene::Scene& scene,
   if (seen) {
     const double gap = gap_between(parameters_.geometry, scene, ball_);
     const double beside = (scene.effector.p_WE - ball.p_WB).head<2>().norm();
-    on_ball_ = gap < kOnBallGap && beside < kOnBallBeside;
+    on_ball_ = gap < kOnBallGap && beside < kOnBallBeside * parameters_.geometry.ball_radius;
   }
   const bool working = mode_ == Mode::kRoll || mode_ == Mode::kReturn || mode_ == Mode::kRest;
 
@@ -519,7 +520,7 @@ void Planner::plan_with_c3(const Input& input, const scene::Scene& scene,
   const Eigen::Index n_x = plan_.x.rows(), n_lambda = plan_.lambda.rows();
   plan_.x = solution.z.topRows(n_x);
   plan_.lambda = result.force_scale * solution.z.middleRows(n_x, n_lambda);
-  plan_.u = solution.z.middleRows(n_x + n_lambda, plan_.u.rows());
+  plan_.u = result.input_scale * solution.z.middleRows(n_x + n_lambda, plan_.u.rows());
   plan_.admm_iterations = solution.iterations;
   plan_.primal_residual = solution.primal_residual;
   plan_.complementarity_violation = solution.complementarity_violation;

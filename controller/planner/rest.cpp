@@ -6,31 +6,31 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr double kHover = 4e-3;         // between end effector and ball on the way to it [m]
-constexpr double kNearGap = 1.5e-3;     // from so near it sinks at once, [m]
-constexpr double kNearBeside = 0.025;   // not farther beside the ball's top than this [m]
-constexpr double kAbove = 4e-3;         // and from hovering no farther than this [m]
-constexpr double kClosing = 6.0;        // speed per distance on the way to the ball [1/s]
-constexpr double kCentring = 2.0;       // and while it sinks [1/s]
-constexpr double kClosingSpeed = 0.15;  // on top of the ball's [m/s]
-constexpr double kRate = 2.0;           // of the reference's velocity [m/s²]
-constexpr double kSmoothing = 0.08;     // of the ball's velocity [s]
-constexpr double kSinking = 0.01;       // [m/s]
-constexpr double kStopped = 2.5e-3;     // it stands on something where it sinks slower [m/s]
-constexpr double kStoppedTime = 0.04;   // for this long [s]
-constexpr double kMissed = 0.02;        // sunk this far below the ball's top: beside it [m]
-constexpr double kBraking = 1.0;        // of the reference [m/s²]
-constexpr double kPress = 3.0;          // while the ball is stopped [N]
-constexpr double kStill = 1e-3;         // an end effector slower than this stands still [m/s]
-constexpr double kStand = 0.3;          // it has to stand still for this long [s]
-constexpr double kOffGap = 6e-3;        // the ball is seen to have gone [m]
-constexpr double kAtGoal = 2e-3;        // nearer than this the ball is there [m]
-constexpr double kCarryReach = 0.015;   // and from farther it is not carried, as it would slip [m]
-constexpr double kCarrySpeed = 0.03;    // [m/s]
-constexpr double kRelease = 0.5;        // the press fades over this time [s]
-constexpr double kClear = 3e-3;         // rises this far before it is off the ball [m]
-constexpr double kRiseSpeed = 0.01;     // [m/s]
-constexpr double kRiseRate = 0.02;      // a jerk would kick the ball [m/s²]
+constexpr double kHover = 4e-3;      // between end effector and ball on the way to it [m]
+constexpr double kNearGap = 1.5e-3;  // from so near it sinks at once, [m]
+constexpr double kNearBeside = 0.025 / 0.0315;  // not farther beside the ball's top, in radii
+constexpr double kAbove = 4e-3;                 // and from hovering no farther than this [m]
+constexpr double kClosing = 6.0;                // speed per distance on the way to the ball [1/s]
+constexpr double kCentring = 2.0;               // and while it sinks [1/s]
+constexpr double kClosingSpeed = 0.15;          // on top of the ball's [m/s]
+constexpr double kRate = 2.0;                   // of the reference's velocity [m/s²]
+constexpr double kSmoothing = 0.08;             // of the ball's velocity [s]
+constexpr double kSinking = 0.01;               // [m/s]
+constexpr double kStopped = 2.5e-3;    // it stands on something where it sinks slower [m/s]
+constexpr double kStoppedTime = 0.04;  // for this long [s]
+constexpr double kMissed = 0.02;       // sunk this far below the ball's top: beside it [m]
+constexpr double kBraking = 1.0;       // of the reference [m/s²]
+constexpr double kPress = 3.0;         // while the ball is stopped [N]
+constexpr double kStill = 1e-3;        // an end effector slower than this stands still [m/s]
+constexpr double kStand = 0.3;         // it has to stand still for this long [s]
+constexpr double kOffGap = 6e-3;       // the ball is seen to have gone [m]
+constexpr double kAtGoal = 2e-3;       // nearer than this the ball is there [m]
+constexpr double kCarryReach = 0.015;  // and from farther it is not carried, as it would slip [m]
+constexpr double kCarrySpeed = 0.03;   // [m/s]
+constexpr double kRelease = 0.5;       // the press fades over this time [s]
+constexpr double kClear = 3e-3;        // rises this far before it is off the ball [m]
+constexpr double kRiseSpeed = 0.01;    // [m/s]
+constexpr double kRiseRate = 0.02;     // a jerk would kick the ball [m/s²]
 
 }  // namespace
 
@@ -70,7 +70,7 @@ void Rest::advance(const RestInput& input, const Eigen::Vector3d& velocity) noex
 void Rest::meet(const RestInput& input) noexcept {
   const double beside = (input.p_WE - input.p_WB).head<2>().norm();
   const double top = input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius;
-  const bool near = gap(input) < kNearGap && beside < kNearBeside;
+  const bool near = gap(input) < kNearGap && beside < kNearBeside * geometry_.ball_radius;
   from_above_ =
       beside < kAbove && input.p_WE.z() > top + 0.5 * kHover && input.p_WE.z() < top + 2.0 * kHover;
   if (from_above_ || (near && !stopped_)) {
@@ -109,7 +109,9 @@ bool Rest::carry(const RestInput& input) noexcept {
   if (!input.goal || !input.seen || carried_) return false;
   const Eigen::Vector2d way = *input.goal - input.p_WB.head<2>();
   const Eigen::Vector2d beside = (input.p_WE - input.p_WB).head<2>() + way;  // at its end
-  if (way.norm() < kAtGoal || way.norm() > kCarryReach || beside.norm() > kNearBeside) return false;
+  if (way.norm() < kAtGoal || way.norm() > kCarryReach ||
+      beside.norm() > kNearBeside * geometry_.ball_radius)
+    return false;
   carry_to_ = input.p_WE.head<2>() + 2.0 * way;
   carried_ = true;
   enter(Stage::kCarry, input.now);

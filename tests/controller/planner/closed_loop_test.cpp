@@ -61,6 +61,24 @@ TEST_CASE("closed loop: with 1 mm of noise the ball still goes round, whatever t
   }
 }
 
+TEST_CASE("closed loop: other balls go round with the same settings") {
+  struct Ball {
+    double radius, mass;
+  };
+  // at the density of the shipped one, then lighter and heavier
+  for (const Ball ball : {Ball{0.025, 0.066}, Ball{0.04, 0.27}, Ball{0.05, 0.528},
+                          Ball{0.0315, 0.05}, Ball{0.0315, 0.4}}) {
+    CAPTURE(ball.radius, ball.mass);
+    const std::string radius = std::to_string(ball.radius), mass = std::to_string(ball.mass);
+    const Course course =
+        run("circle_fast", 4, 20.0,
+            {"planner.model.ball_radius_m=" + radius, "planner.model.ball_mass_kg=" + mass,
+             "plant.balls.0.radius_m=" + radius, "plant.balls.0.mass_kg=" + mass});
+    CHECK(course.turns > 1.0);
+    CHECK(course.largest_error < 0.03);
+  }
+}
+
 TEST_CASE("closed loop: C3+ and the convex projection roll it round, too, without and with noise") {
   for (const char* projection : {"plus", "convex"}) {
     CAPTURE(projection);

@@ -518,3 +518,50 @@ TEST_CASE("planner: one lost ball of several makes it hold, whichever it is") {
     CHECK(planner.step(input).mode == Mode::kApproach);
   }
 }
+
+TEST_CASE("planner: twice the mass is moved the same way, bit for bit, by twice the forces") {
+  // every force in the equations of motion is proportional to the mass
+  const Parameters one = parameters();
+  const Parameters two = parameters({"planner.model.ball_mass_kg=0.264"});
+  Follower light(one), heavy(two);
+  double largest = 0.0;
+  for (int i = 0; i < 900; ++i) {
+    const Plan& a = light.step();
+    const Plan& b = heavy.step();
+    REQUIRE(a.mode == b.mode);
+    REQUIRE(a.p_WE == b.p_WE);
+    REQUIRE(a.v_WE == b.v_WE);
+    REQUIRE(a.x == b.x);
+    REQUIRE((2.0 * a.force_E).eval() == b.force_E);
+    REQUIRE((2.0 * a.u_c3).eval() == b.u_c3);
+    REQUIRE((2.0 * a.lambda_d).eval() == b.lambda_d);
+    REQUIRE((2.0 * a.lambda).eval() == b.lambda);
+    REQUIRE((2.0 * a.u).eval() == b.u);
+    largest = std::max(largest, a.force_E.norm());
+  }
+  CHECK(largest > 0.1);  // it came to touch the ball
+}
+
+TEST_CASE("planner: heights are those above the ball's top, ways beside it grow with the ball") {
+  const std::vector<std::string> keys{"planner.model.ball_radius_m=0.05"};
+  const Parameters small = parameters(), large = parameters(keys);
+  const double top = 2.0 * (0.05 - 0.0315), ratio = 0.05 / 0.0315;
+  for (int i = 0; i < 3; ++i)
+    CHECK(large.heuristic.return_heights[i] == Approx(small.heuristic.return_heights[i] + top));
+  CHECK(large.heuristic.return_back == Approx(ratio * small.heuristic.return_back));
+  CHECK(large.approach.safe_height == Approx(small.approach.safe_height + top));
+  CHECK(large.approach.start_height == Approx(small.approach.start_height + 0.5 * top));
+  CHECK(large.model.size_ratio == Approx(ratio));
+  CHECK(large.model.force_unit == 1.0);  // of the same mass
+}
+
+TEST_CASE("planner: for the ball that it was tuned for everything is taken as it stands") {
+  const Parameters same =
+      parameters({"planner.tuned_for.radius_m=0.05", "planner.tuned_for.mass_kg=0.2",
+                  "planner.model.ball_radius_m=0.05", "planner.model.ball_mass_kg=0.2"});
+  CHECK(same.model.size_ratio == 1.0);
+  CHECK(same.model.force_unit == 1.0);
+  CHECK(same.model.values["ball_mass_kg"] == 0.2);
+  CHECK(same.heuristic.return_back == parameters().heuristic.return_back);
+  CHECK(same.heuristic.return_heights == parameters().heuristic.return_heights);
+}
