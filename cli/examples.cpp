@@ -72,7 +72,7 @@ const Examples kExamples{
       {"c3rt topics --peers", "whose every reader and writer is"},
       {"c3rt topics --domain 3 --dds lan", ""}}},
     {"echo",
-     {{"c3rt echo ball/estimate --count 3", ""},
+     {{"c3rt echo object/estimate --count 3", ""},
       {"c3rt echo plan --timeout 0 | jq .phase", "waits until somebody writes"}}},
     {"hz",
      {{"c3rt hz plan", "a line a second until Ctrl-C"},

@@ -15,31 +15,6 @@ void visit_sample(const T& sample, Visitor& visit) {
 }
 
 template <typename Visitor>
-void visit_sample(const wire::Plan& s, Visitor& visit) {
-  visit("header", s.header);
-  visit("robot", s.robot);
-  visit("origin", s.origin);
-  visit("valid_until_ns", s.valid_until_ns);
-  visit("status", s.status);
-  visit("phase", s.phase);
-  visit("p_WE_desired_m", s.p_WE_desired_m);
-  visit("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s);
-  visit("q_WE_desired", s.q_WE_desired);
-  visit("force_E_n", s.force_E_n);
-  visit("ball_target_m", s.ball_target_m);
-  visit("delta_t_c_s", s.delta_t_c_s);
-  visit.machine_time("solve_time_s", s.solve_time_s);
-  visit("admm_iterations", s.admm_iterations);
-  visit("complementarity_violation", s.complementarity_violation);
-  visit("u_c3", s.u_c3);
-  visit.matrix("lambda_d", &s.lambda_d, 1, s.n_lambda);
-  visit.matrix("primal_residual", &s.primal_residual, 1, s.admm_iterations);
-  visit.matrix("x", s.x, s.N, s.n_x);
-  visit.matrix("lambda", s.lambda, s.N, s.n_lambda);
-  visit.matrix("u", s.u, s.N, s.n_u);
-}
-
-template <typename Visitor>
 void visit_sample(const wire::ServiceStatus& s, Visitor& visit) {
   visit("header", s.header);
   visit("process", s.process);

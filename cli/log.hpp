@@ -32,12 +32,6 @@ class HashVisitor {
   void list(const char*, const T (&values)[n], int count) {
     for (int i = 0; i < count && i < static_cast<int>(n); ++i) add(values[i]);
   }
-  template <std::size_t Columns>
-  void matrix(const char*, const double (*value)[Columns], int rows, int columns) {
-    for (int i = 0; i < rows; ++i) {
-      for (int j = 0; j < columns && j < static_cast<int>(Columns); ++j) add(value[i][j]);
-    }
-  }
   std::uint64_t value() const { return hash_.value(); }
   std::string text() const { return hash_.text(); }
 
@@ -64,9 +58,12 @@ class HashVisitor {
 };
 
 /// One row of cells; `names` instead writes the head line. What is in an array of structs has its
-/// place in the name: knots_0_time_ns.
+/// place in the name: knots_0_time_ns. What is longer than kWidest, as the predicted horizon, is
+/// not for a table.
 class CsvVisitor {
  public:
+  static constexpr std::size_t kWidest = 16;
+
   CsvVisitor(fmt::memory_buffer& out, bool names) : out_(out), names_(names) {}
   template <typename T>
   void operator()(const char* name, const T& value) {
@@ -78,9 +75,6 @@ class CsvVisitor {
   void list(const char* name, const T (&values)[n], int) {
     (*this)(name, values);
   }
-  /// The predicted horizon is not for a table.
-  template <std::size_t Columns>
-  void matrix(const char*, const double (*)[Columns], int, int) {}
 
  private:
   template <typename T>
@@ -96,6 +90,7 @@ class CsvVisitor {
       wire::visit_fields(value, *this);
       prefix_ = outside;
     } else if constexpr (std::is_array_v<T> && !std::is_same_v<std::remove_extent_t<T>, char>) {
+      if (std::size(value) > kWidest) return;
       int i = 0;
       for (const auto& element : value)
         add(names_ ? name + "_" + std::to_string(i++) : name, element);

@@ -49,16 +49,6 @@ class JsonVisitor {
     for (int i = 0; i < count && i < static_cast<int>(n); ++i) all.push_back(json_of(values[i]));
     object_[name] = all;
   }
-  template <std::size_t Columns>
-  void matrix(const char* name, const double (*value)[Columns], int rows, int columns) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (int i = 0; i < rows; ++i) {
-      nlohmann::ordered_json row = nlohmann::ordered_json::array();
-      for (int j = 0; j < columns && j < static_cast<int>(Columns); ++j) row.push_back(value[i][j]);
-      all.push_back(row);
-    }
-    object_[name] = all;
-  }
   std::string text() const { return object_.dump(); }
 
  private:

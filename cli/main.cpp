@@ -185,7 +185,7 @@ class CommandLine {
         ->expected(3)
         ->required()
         ->check(cli::number(-kFarthest, kFarthest));
-    push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v1_MAX_BALLS - 1));
+    push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1));
     fault(parent, "drop-commands", "The plant ignores commands", c3rt_v1_FAULT_DROP_COMMANDS,
           c3rt_v1_PROCESS_PLANT);
     fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v1_FAULT_FREEZE_CAMERA,

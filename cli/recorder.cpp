@@ -11,6 +11,7 @@
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
+#include "idl/text.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -27,9 +28,9 @@ SceneRow row_of(const wire::Scene& sample) {
   SceneRow row;
   row.time_ns = sample.header.time_ns;
   row.exposure = sample.exposure;
-  row.ball_count = std::min(static_cast<int>(sample.ball_count), kMaxBalls);
+  row.ball_count = std::min(static_cast<int>(sample.object_count), kMaxObjects);
   for (std::size_t i = 0; i < static_cast<std::size_t>(row.ball_count); ++i)
-    row.p_WB[i] = vector(sample.p_WB_m[i]);
+    row.p_WB[i] = vector(sample.objects[i].p_WB_m);
   return row;
 }
 
@@ -52,15 +53,15 @@ PlanRow row_of(const wire::Plan& sample) {
   return {sample.header.time_ns,
           sample.origin.state_ns,
           sample.origin.exposure_ns,
-          sample.phase == c3rt_v1_PHASE_ROLL || sample.phase == c3rt_v1_PHASE_RETURN,
-          sample.status == c3rt_v1_PLAN_TRUNCATED,
-          sample.status == c3rt_v1_PLAN_FALLBACK,
+          wire::is_at_task(sample.phase),
+          sample.status == c3rt_v2_PLAN_TRUNCATED,
+          sample.status == c3rt_v2_PLAN_FALLBACK,
           sample.solve_time_s};
 }
 
-EstimateRow row_of(const wire::BallEstimate& sample) {
-  return {sample.header.time_ns, sample.exposure_ns,  static_cast<int>(sample.ball),
-          sample.valid,          sample.cameras_used, vector(sample.p_measured_m)};
+EstimateRow row_of(const wire::ObjectEstimate& sample) {
+  return {sample.header.time_ns, sample.exposure_ns,  static_cast<int>(sample.object_index),
+          sample.valid,          sample.sensors_used, vector(sample.p_measured_m)};
 }
 
 }  // namespace
@@ -80,7 +81,7 @@ void keep(const wire::RobotCommand& sample, Series& series) {
   series.command.push_back(row_of(sample));
 }
 void keep(const wire::Plan& sample, Series& series) { series.plan.push_back(row_of(sample)); }
-void keep(const wire::BallEstimate& sample, Series& series) {
+void keep(const wire::ObjectEstimate& sample, Series& series) {
   series.estimate.push_back(row_of(sample));
 }
 

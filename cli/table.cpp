@@ -33,7 +33,7 @@ struct Planning {
 Planning planning(const Live& live) {
   if (!live.plan) return {};
   return {
-      name_of(live.plan->phase), name_of(live.plan->status),
+      config::printable(live.plan->phase), name_of(live.plan->status),
       live.plan->solve_time_s > 0.0 ? fmt::format("{:.2f}", live.plan->solve_time_s * 1e3) : "-"};
 }
 

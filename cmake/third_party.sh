@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fetches, checks, unpacks and builds the pinned source releases of OSQP and Pinocchio under build/third_party.
+# Fetches, checks, unpacks and builds the pinned source releases of OSQP and Pinocchio under build/third_party, and
+# installs the Python package that a test of the bus needs there.
 # Nothing of them is committed; a second run finds the stamps and does nothing.
 #
 #   cmake/third_party.sh [DIRECTORY]        default: build/third_party
@@ -83,5 +84,22 @@ if [[ ! -f $pinocchio_stamp ]]; then
   mkdir -p "$prefix/share/panda_description"
   cp -r "$directory/pinocchio/models/example-robot-data/robots/panda_description/." "$prefix/share/panda_description/"
   touch "$pinocchio_stamp"
+fi
+# What the test of a client in Python needs; nothing else here does, so without it that test is skipped.
+python_stamp=$directory/python/.cyclonedds-11.0.1
+if [[ ! -f $python_stamp ]]; then
+  say "installing the Python package cyclonedds 11.0.1 into a virtual environment"
+  rm -rf "$directory/python"
+  # the wheel of Debian 12's Python 3.11
+  wheel='cyclonedds==11.0.1 --hash=sha256:dce635041d42e954a5fec187dabf99d4b36c9daa54cc97d6d2238985e3ef6101'
+  if /usr/bin/python3 -m venv "$directory/python" &&
+    "$directory/python/bin/pip" --quiet install --no-deps --only-binary :all: --require-hashes \
+      --requirement <(printf '%s\n' "$wheel") >"$directory/python.log" 2>&1; then
+    touch "$python_stamp"
+  else
+    tail -n 3 "$directory/python.log" >&2 || true
+    rm -rf "$directory/python"
+    say "the Python package cyclonedds 11.0.1 could not be had: the test idl/python_client will be skipped"
+  fi
 fi
 say "ready in $prefix"

@@ -39,7 +39,7 @@ std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
   const double* impulse = fault.value;
   const double size = std::hypot(std::hypot(impulse[0], impulse[1]), impulse[2]);
   const int balls =
-      scope.ball_masses.empty() ? c3rt_v1_MAX_BALLS : static_cast<int>(scope.ball_masses.size());
+      scope.ball_masses.empty() ? c3rt_v2_MAX_OBJECTS : static_cast<int>(scope.ball_masses.size());
   if (fault.index < 0 || fault.index >= balls)
     return text("expected a ball from 0 to %d, got %d", balls - 1, static_cast<int>(fault.index));
   if (!std::isfinite(impulse[0]) || !std::isfinite(impulse[1]) || !std::isfinite(impulse[2])) {

@@ -111,7 +111,7 @@ class Document:
         if not re.fullmatch(r"[A-Za-z_]\w*", name):
             self._fail(f"expected a name, got {name}", line)
         languages = [language for language, words in KEYWORDS.items() if name in words]
-        if languages and name != "lambda":  # goes with v1
+        if languages:
             self._fail(f"{name} is a keyword of {', '.join(languages)}", line)
         return name
 
@@ -216,11 +216,7 @@ class Document:
         token = self._take()
         self._take("]")
         of_arrays = kind in self.typedefs and self.typedefs[kind][1] is not None
-        if module == "c3rt::v1::":  # goes with v1
-            while self._peek() == "[":
-                for _ in range(3):
-                    self._take()
-        elif self._peek() == "[" or of_arrays:
+        if self._peek() == "[" or of_arrays:
             self._fail("an array of arrays: Cyclone DDS 0.10 and 11 give it two identities; make it flat", line)
         if token.isdigit():
             return int(token)

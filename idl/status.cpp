@@ -12,6 +12,7 @@
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
+#include "idl/text.hpp"
 
 namespace c3rt::wire {
 
@@ -27,25 +28,14 @@ Quantiles to_wire(const rt::Quantiles& quantiles) {
           quantiles.p99_s, quantiles.p999_s, quantiles.max_s};
 }
 
-template <std::size_t Size>
-void copy(char (&target)[Size], std::string_view text) {
-  const std::size_t length = std::min(text.size(), Size - 1);
-  // a control letter would spoil a terminal, and readers refuse it
-  std::transform(
-      text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), target, [](char letter) {
-        return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? ' ' : letter;
-      });
-  target[length] = '\0';
-}
-
 void show(const std::vector<RefusedCount>& refusals, RefusedSamples (&out)[c3rt_v2_REFUSALS]) {
   for (std::size_t i = 0; i < std::size(out); ++i) {
     out[i] = {};
     if (i >= refusals.size()) continue;
-    copy(out[i].topic, refusals[i].topic);
-    copy(out[i].reason, reason_name(refusals[i].reason));
+    set_text(out[i].topic, refusals[i].topic);
+    set_text(out[i].reason, reason_name(refusals[i].reason));
     out[i].count = refusals[i].count;
-    copy(out[i].latest, refusals[i].latest + "; from " + refusals[i].from);
+    set_text(out[i].latest, refusals[i].latest + "; from " + refusals[i].from);
   }
 }
 
@@ -125,7 +115,8 @@ struct StatusReporter::Implementation {
   }
 
   void publish() {
-    copy(status.text, problems.empty() ? text : (text.empty() ? problems : text + "; " + problems));
+    set_text(status.text,
+             problems.empty() ? text : (text.empty() ? problems : text + "; " + problems));
     status.wakeup_latency = to_wire(wakeup_latency.snapshot());
     status.compute = to_wire(compute.snapshot());
     for (int i = 0; i < names; ++i)
@@ -177,7 +168,7 @@ std::atomic<std::uint64_t>& StatusReporter::counter(std::string_view name) {
     throw WireError("service/status has no room for the counter " + std::string(name));
   }
   const int i = implementation_->names++;
-  copy(status.counter_names[i], name);
+  set_text(status.counter_names[i], name);
   return implementation_->counters[static_cast<std::size_t>(i)];
 }
 

@@ -71,19 +71,20 @@ constexpr Process kVision = c3rt_v1_PROCESS_VISION;
 // clang-format off
 //      type, module,        name               quality  writer      deadline  trait          // readers and rate
 #define C3RT_TOPICS(TOPIC)                                                                                              \
-  TOPIC(Scene, v1,           "sim/scene",       kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
-  TOPIC(RobotState, v1,      "robot/state",     kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
-  TOPIC(RobotCommand, v1,    "robot/command",   kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
-  TOPIC(Plan, v1,            "plan",            kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
-  TOPIC(BallEstimate, v1,    "ball/estimate",   kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
-  TOPIC(BallDetection, v1,   "ball/detection",  kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
-  TOPIC(TaskTarget, v2,      "task/target",     kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
-  TOPIC(Tick, v1,            "sim/tick",        kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
-  TOPIC(Done, v1,            "sim/done",        kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
-  TOPIC(ServiceStatus, v2,   "service/status",  kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
-  TOPIC(ServiceRequest, v1,  "service/request", kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
-  TOPIC(ServiceReply, v2,    "service/reply",   kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
-  TOPIC(FaultInject, v2,     "fault/inject",    kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
+  TOPIC(Scene, v2,           "sim/scene",        kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
+  TOPIC(RobotState, v1,      "robot/state",      kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
+  TOPIC(RobotCommand, v1,    "robot/command",    kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
+  TOPIC(Plan, v2,            "plan",             kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
+  TOPIC(ObjectEstimate, v2,  "object/estimate",  kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
+  TOPIC(ObjectDetection, v2, "object/detection", kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
+  TOPIC(PlannerDebug, v2,    "planner/debug",    kStream, kPlanner,   0.0,      kNone)      /* clients; as plan */        \
+  TOPIC(TaskTarget, v2,      "task/target",      kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
+  TOPIC(Tick, v1,            "sim/tick",         kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
+  TOPIC(Done, v1,            "sim/done",         kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
+  TOPIC(ServiceStatus, v2,   "service/status",   kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
+  TOPIC(ServiceRequest, v1,  "service/request",  kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
+  TOPIC(ServiceReply, v2,    "service/reply",    kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
+  TOPIC(FaultInject, v2,     "fault/inject",     kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
 // clang-format on
 
 #define C3RT_TOPIC(Type, module, ...) using Type = c3rt_##module##_##Type;

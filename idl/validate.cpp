@@ -12,19 +12,21 @@ namespace c3rt::wire {
 
 namespace {
 
-// what a number of this robot, its table and its balls can be
+// what a number of this robot, its table and its objects can be
 constexpr double kReach_m = 5.0;  // of the arm, with room
 constexpr double kEffectorSpeed_m_per_s = 10.0;
 constexpr double kForce_n = 1e3;
 constexpr double kJoint_rad = 10.0;
 constexpr double kJointSpeed_rad_per_s = 100.0;
 constexpr double kTorque_nm = 1e3;
-constexpr double kBallSeen_m = 10.0;  // a camera sees no farther
-constexpr double kBallSpeed_m_per_s = 20.0;
-constexpr double kBallSpin_rad_per_s = 2e3;
-constexpr double kBallAnywhere_m = 1e6;  // truth: a table has no end, a ball may roll for hours
-constexpr double kBallSpeedAnywhere_m_per_s = 1e4;
-constexpr double kBallSpinAnywhere_rad_per_s = 1e6;
+constexpr double kObjectSeen_m = 10.0;  // a camera sees no farther
+constexpr double kObjectSpeed_m_per_s = 20.0;
+constexpr double kObjectSpin_rad_per_s = 2e3;
+constexpr double kObjectAcceleration_m_per_s2 = 100.0;
+constexpr double kObjectAnywhere_m =
+    1e6;  // truth: a table has no end, an object may roll for hours
+constexpr double kObjectSpeedAnywhere_m_per_s = 1e4;
+constexpr double kObjectSpinAnywhere_rad_per_s = 1e6;
 constexpr double kQuaternionTolerance = 1e-2;
 constexpr double kPixels = 1e5;
 constexpr int kCameras = 64;
@@ -59,14 +61,6 @@ class Check {
   }
   Check& finite(const char* field, double value, int index = -1) noexcept {
     return size(field, value, kAnything, index);
-  }
-  /// The used part of an array of arrays.
-  template <std::size_t rows, std::size_t columns>
-  Check& finite(const char* field, const double (&values)[rows][columns], int used_rows,
-                int used_columns) noexcept {
-    if (found_) return *this;  // the sizes may be wrong
-    for (int k = 0; k < used_rows; ++k) sizes(field, values[k], used_columns, kAnything);
-    return *this;
   }
   Check& unit(const char* field, const double (&q)[4], int index = -1) noexcept {
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -247,8 +241,7 @@ class Form {
     } else if constexpr (std::is_array_v<T>) {
       if constexpr (std::is_same_v<std::remove_extent_t<T>, char>) {
         check_.text(name, value, index);
-      } else if constexpr (std::rank_v<T> == 1 ||
-                           std::is_same_v<std::remove_all_extents_t<T>, char>) {
+      } else {
         int i = 0;
         for (const auto& element : value) look(name, element, i++);
       }
@@ -288,67 +281,84 @@ void check_ranges(const RobotCommand& s, Check& check) noexcept {
 }
 
 void check_ranges(const Plan& s, Check& check) noexcept {
+  const auto after_time = [&s](std::int64_t time_ns) {
+    return (static_cast<double>(time_ns) - static_cast<double>(s.header.time_ns)) * 1e-9;
+  };
   check.within("robot", s.robot, 0, 0)
       .stamps(s.origin)
-      .within(
-          "valid_until_ns after time_ns in seconds",
-          (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns)) * 1e-9,
-          0.0, kLongestPlan_s)
-      .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
-      .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s)
-      .unit("q_WE_desired", s.q_WE_desired)
-      .size("force_E_n", s.force_E_n, kForce_n)
-      .size("ball_target_m", s.ball_target_m, kBallAnywhere_m)
-      .within("delta_t_c_s", s.delta_t_c_s, 0.0, kLongestPlan_s)
+      .within("valid_until_ns after time_ns in seconds", after_time(s.valid_until_ns), 0.0,
+              kLongestPlan_s)
       .within("solve_time_s", s.solve_time_s, 0.0, kLongest_s)
-      .within("n_x", s.n_x, 0, c3rt_v1_MAX_STATES)
-      .within("n_lambda", s.n_lambda, 0, c3rt_v1_MAX_FORCES)
-      .within("n_u", s.n_u, 0, c3rt_v1_MAX_INPUTS)
-      .within("N", s.N, 0, c3rt_v1_MAX_HORIZON)
-      .within("admm_iterations", s.admm_iterations, 0, c3rt_v1_MAX_ADMM)
-      .finite("x", s.x, s.N, s.n_x)
-      .finite("lambda", s.lambda, s.N, s.n_lambda)
-      .finite("u", s.u, s.N, s.n_u);
+      .within("knot_count", s.knot_count, 1, c3rt_v2_MAX_KNOTS);
+  const int knots = check.finding() ? 0 : static_cast<int>(s.knot_count);
+  for (int i = 0; i < knots; ++i) {
+    const c3rt_v2_Knot& knot = s.knots[i];
+    check
+        .size("knots.time_ns after time_ns in seconds", after_time(knot.time_ns), kLongestPlan_s, i)
+        .size("knots.p_WE_m", knot.p_WE_m, kReach_m)
+        .size("knots.v_WE_m_per_s", knot.v_WE_m_per_s, kEffectorSpeed_m_per_s)
+        .unit("knots.q_WE", knot.q_WE, i)
+        .size("knots.force_E_n", knot.force_E_n, kForce_n);
+    if (i > 0 && !check.finding()) {
+      check.within("knots.time_ns after the knot before in seconds",
+                   static_cast<double>(knot.time_ns - s.knots[i - 1].time_ns) * 1e-9, 1e-9,
+                   kLongestPlan_s, i);
+    }
+  }
 }
 
-void check_ranges(const BallDetection& s, Check& check) noexcept {
+void check_ranges(const PlannerDebug& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
+      .within("object_index", s.object_index, 0, c3rt_v2_MAX_OBJECTS - 1)
+      .within("horizon", s.horizon, 0, c3rt_v2_MAX_HORIZON)
+      .within("state_count", s.state_count, 0, c3rt_v2_MAX_STATES)
+      .within("force_count", s.force_count, 0, c3rt_v2_MAX_FORCES)
+      .within("input_count", s.input_count, 0, c3rt_v2_MAX_INPUTS)
+      .within("admm_iterations", s.admm_iterations, 0, c3rt_v2_MAX_ADMM);
+}
+
+void check_ranges(const ObjectDetection& s, Check& check) noexcept {
   check.within("camera", s.camera, 0, kCameras - 1)
-      .within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
+      .within("object_index", s.object_index, 0, c3rt_v2_MAX_OBJECTS - 1)
       .stamp("exposure_ns", s.exposure_ns)
       .size("u_px", s.u_px, kPixels)
       .size("v_px", s.v_px, kPixels)
       .within("radius_px", s.radius_px, 0.0, kPixels)
-      .size("p_WB_m", s.p_WB_m, kBallSeen_m);
+      .size("p_WB_m", s.p_WB_m, kObjectSeen_m)
+      .unit_or_none("q_WB", s.q_WB);
 }
 
-void check_ranges(const BallEstimate& s, Check& check) noexcept {
-  check.within("ball", s.ball, 0, c3rt_v1_MAX_BALLS - 1)
+void check_ranges(const ObjectEstimate& s, Check& check) noexcept {
+  check.within("object_index", s.object_index, 0, c3rt_v2_MAX_OBJECTS - 1)
       .stamp("exposure_ns", s.exposure_ns)
-      .within("cameras_used", s.cameras_used, 0, kCameras)
-      .size("p_measured_m", s.p_measured_m, kBallSeen_m)
-      .size("p_WB_m", s.p_WB_m, kBallSeen_m)
-      .size("v_WB_m_per_s", s.v_WB_m_per_s, kBallSpeed_m_per_s)
-      .size("omega_rad_per_s", s.omega_rad_per_s, kBallSpin_rad_per_s)
-      .unit("q_WB", s.q_WB);
+      .within("sensors_used", s.sensors_used, 0, kCameras)
+      .size("p_measured_m", s.p_measured_m, kObjectSeen_m)
+      .unit_or_none("q_measured", s.q_measured)
+      .size("p_WB_m", s.p_WB_m, kObjectSeen_m)
+      .unit("q_WB", s.q_WB)
+      .size("v_WB_m_per_s", s.v_WB_m_per_s, kObjectSpeed_m_per_s)
+      .size("omega_rad_per_s", s.omega_rad_per_s, kObjectSpin_rad_per_s)
+      .size("a_WB_m_per_s2", s.a_WB_m_per_s2, kObjectAcceleration_m_per_s2);
 }
 
 // what this robot can reach is the planner's to say; here is what no planner could do
 void check_ranges(const TaskTarget& s, Check& check) noexcept {
-  check.size("center_m", s.center_m, kBallSeen_m)
-      .size("radius_m", s.radius_m, kBallSeen_m)
+  check.size("center_m", s.center_m, kObjectSeen_m)
+      .size("radius_m", s.radius_m, kObjectSeen_m)
       .size("lead_rad", s.lead_rad, 100.0);
 }
 
 void check_ranges(const Scene& s, Check& check) noexcept {
   check.size("q_rad", s.q_rad, kJoint_rad)
       .size("p_WE_m", s.p_WE_m, kReach_m)
-      .within("ball_count", s.ball_count, 0, c3rt_v1_MAX_BALLS);
-  const int balls = check.finding() ? 0 : static_cast<int>(s.ball_count);
-  for (int i = 0; i < balls; ++i) {
-    check.size("p_WB_m", s.p_WB_m[i], kBallAnywhere_m)
-        .unit("q_WB", s.q_WB[i], i)
-        .size("v_WB_m_per_s", s.v_WB_m_per_s[i], kBallSpeedAnywhere_m_per_s)
-        .size("omega_rad_per_s", s.omega_rad_per_s[i], kBallSpinAnywhere_rad_per_s);
+      .within("object_count", s.object_count, 0, c3rt_v2_MAX_OBJECTS);
+  const int objects = check.finding() ? 0 : static_cast<int>(s.object_count);
+  for (int i = 0; i < objects; ++i) {
+    const c3rt_v2_SceneObject& object = s.objects[i];
+    check.size("objects.p_WB_m", object.p_WB_m, kObjectAnywhere_m)
+        .unit("objects.q_WB", object.q_WB, i)
+        .size("objects.v_WB_m_per_s", object.v_WB_m_per_s, kObjectSpeedAnywhere_m_per_s)
+        .size("objects.omega_rad_per_s", object.omega_rad_per_s, kObjectSpinAnywhere_rad_per_s);
   }
 }
 

@@ -33,7 +33,7 @@ struct Refusal {
   explicit operator bool() const noexcept { return reason != Reason::kNone; }
 };
 
-/// "N is 1000000, expected 0 to 10", "zero quaternion q_WE_desired: norm 0, expected 1". Empty for
+/// "knot_count is 1000000, expected 1 to 16", "zero quaternion q_WB: norm 0, expected 1". Empty for
 /// no refusal.
 std::string to_text(const Refusal& refusal);
 

@@ -50,13 +50,14 @@ wire::Scene scene(const State& state, bool exposure) noexcept {
   sample.exposure = exposure;
   copy(state.q, sample.q_rad);
   copy(state.p_WE, sample.p_WE_m);
-  sample.ball_count = state.ball_count;
+  sample.object_count = state.ball_count;
   for (int i = 0; i < state.ball_count; ++i) {
-    const scene::Body& ball = state.balls[static_cast<std::size_t>(i)];
-    copy(ball.p_WB, sample.p_WB_m[i]);
-    copy(ball.q_WB, sample.q_WB[i]);
-    copy(ball.v_WB, sample.v_WB_m_per_s[i]);
-    copy(ball.omega_WB, sample.omega_rad_per_s[i]);
+    const scene::Body& body = state.balls[static_cast<std::size_t>(i)];
+    c3rt_v2_SceneObject& object = sample.objects[i];
+    copy(body.p_WB, object.p_WB_m);
+    copy(body.q_WB, object.q_WB);
+    copy(body.v_WB, object.v_WB_m_per_s);
+    copy(body.omega_WB, object.omega_rad_per_s);
   }
   return sample;
 }

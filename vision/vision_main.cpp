@@ -21,6 +21,7 @@
 #include "idl/process.hpp"
 #include "idl/replies.hpp"
 #include "idl/shutdown_listener.hpp"
+#include "idl/text.hpp"
 #include "plant_emulator/start.hpp"
 #include "vision/emulated.hpp"
 #include "vision/faulty_camera.hpp"
@@ -73,7 +74,7 @@ class EmulatedSource : public Source {
   std::vector<Observation> observe(const std::vector<Prediction>& predictions) override {
     std::vector<Observation> seen(predictions.size());
     for (std::size_t ball = 0; ball < seen.size(); ++ball) {
-      const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[ball]);
+      const Eigen::Vector3d truth = Eigen::Map<const Eigen::Vector3d>(scene_.objects[ball].p_WB_m);
       seen[ball].measurement = {scene_.header.time_ns, truth.norm() < kRange_m,
                                 sensor_.measure(truth)};
       seen[ball].cameras_used = 1;
@@ -109,12 +110,12 @@ class CameraSource : public Source {
   void expose(const wire::Scene& scene) override {
     pose_.exposure_ns = scene.header.time_ns;
     std::copy(std::begin(scene.q_rad), std::end(scene.q_rad), pose_.q.begin());
-    pose_.X_WB.resize(static_cast<std::size_t>(scene.ball_count));
-    for (int i = 0; i < scene.ball_count; ++i) {
-      const auto& q = scene.q_WB[i];
+    pose_.X_WB.resize(static_cast<std::size_t>(scene.object_count));
+    for (int i = 0; i < scene.object_count; ++i) {
+      const auto& q = scene.objects[i].q_WB;
       Eigen::Isometry3d& X_WB = pose_.X_WB[static_cast<std::size_t>(i)];
       X_WB = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-      X_WB.translation() = Eigen::Map<const Eigen::Vector3d>(scene.p_WB_m[i]);
+      X_WB.translation() = Eigen::Map<const Eigen::Vector3d>(scene.objects[i].p_WB_m);
     }
     rig_.expose(pose_);
   }
@@ -246,10 +247,10 @@ class Service {
   /// Of as many balls as the scenario has; told once where not.
   bool is_ours(const wire::Scene& scene) {
     const int ours = static_cast<int>(estimators_.size());
-    if (scene.ball_count == ours) return true;
+    if (scene.object_count == ours) return true;
     ++foreign_scenes_;
     if (foreign_scenes_ == 1)
-      spdlog::warn("the scene has {} balls, this scenario {}: not looked at", scene.ball_count,
+      spdlog::warn("the scene has {} objects, this scenario {}: not looked at", scene.object_count,
                    ours);
     return false;
   }
@@ -293,11 +294,12 @@ class Service {
     report(ball, before, estimate);
 
     const std::int64_t published_ns = realtime_ ? rt::now_ns() : exposure_ns + latency_ns_;
-    wire::BallEstimate out{};
-    out.ball = ball;
+    wire::ObjectEstimate out{};
+    out.object_index = ball;
+    wire::set_text(out.name, "ball" + std::to_string(ball));  // as in the plant's model
     out.exposure_ns = exposure_ns;
     out.valid = estimate.valid;
-    out.cameras_used = seen.cameras_used;
+    out.sensors_used = seen.cameras_used;
     fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : estimate.p_WB);
     fill(out.p_WB_m, estimate.p_WB);
     fill(out.v_WB_m_per_s, estimate.v_WB);
@@ -310,9 +312,9 @@ class Service {
     for (std::size_t i = 0; i < seen.views.size(); ++i) {
       const View& view = seen.views[i];
       if (!view.frame) ++dropped_;
-      wire::BallDetection detection{};
+      wire::ObjectDetection detection{};
       detection.camera = static_cast<int>(i);
-      detection.ball = ball;
+      detection.object_index = ball;
       detection.exposure_ns = exposure_ns;
       detection.found = view.detection.found;
       detection.used = view.used;
@@ -348,8 +350,8 @@ class Service {
   wire::Reader<wire::Scene> scenes_;
   wire::Reader<wire::FaultInject> faults_in_;
   wire::Reader<wire::ServiceRequest> requests_;
-  wire::Writer<wire::BallDetection> detections_;
-  wire::Writer<wire::BallEstimate> estimates_;
+  wire::Writer<wire::ObjectDetection> detections_;
+  wire::Writer<wire::ObjectEstimate> estimates_;
   wire::Replies replies_;
   wire::StatusReporter& status_;
   std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,

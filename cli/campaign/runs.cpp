@@ -209,8 +209,8 @@ std::string replay_command(const RunSpec& spec) {
   return text;
 }
 
-std::vector<std::vector<double>> read_columns(const fs::path& file,
-                                              const std::vector<std::string>& names) {
+std::vector<std::vector<std::string>> read_cells(const fs::path& file,
+                                                 const std::vector<std::string>& names) {
   std::ifstream stream(file);
   std::string line;
   if (!std::getline(stream, line)) throw std::runtime_error("cannot read " + file.string());
@@ -231,16 +231,25 @@ std::vector<std::vector<double>> read_columns(const fs::path& file,
       throw std::runtime_error(file.string() + ": there is no column \"" + name + "\"");
     columns.push_back(static_cast<std::size_t>(found - head.begin()));
   }
-  std::vector<std::vector<double>> rows;
+  std::vector<std::vector<std::string>> rows;
   while (std::getline(stream, line)) {
     const std::vector<std::string> words = split(line);
     if (words.size() != head.size())
       throw std::runtime_error(fmt::format("{}: row {} has {} columns, expected {}", file.string(),
                                            rows.size() + 1, words.size(), head.size()));
-    std::vector<double> row;
-    for (const std::size_t column : columns)
-      row.push_back(std::strtod(words[column].c_str(), nullptr));
+    std::vector<std::string> row;
+    for (const std::size_t column : columns) row.push_back(words[column]);
     rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<std::vector<double>> read_columns(const fs::path& file,
+                                              const std::vector<std::string>& names) {
+  std::vector<std::vector<double>> rows;
+  for (const std::vector<std::string>& cells : read_cells(file, names)) {
+    std::vector<double>& row = rows.emplace_back();
+    for (const std::string& cell : cells) row.push_back(std::strtod(cell.c_str(), nullptr));
   }
   return rows;
 }

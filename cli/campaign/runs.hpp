@@ -62,5 +62,8 @@ std::string replay_command(const RunSpec& spec);
 /// @throws std::runtime_error naming the file and the column that is not there
 std::vector<std::vector<double>> read_columns(const std::filesystem::path& file,
                                               const std::vector<std::string>& names);
+/// The same of columns with texts.
+std::vector<std::vector<std::string>> read_cells(const std::filesystem::path& file,
+                                                 const std::vector<std::string>& names);
 
 }  // namespace c3rt::cli::campaign

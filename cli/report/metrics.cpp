@@ -130,7 +130,7 @@ void add_vision(const Series& series, Figures& figures) {
     answered.insert(row.exposure_ns);
     if (!row.valid) continue;
     valid.push_back(row);
-    cameras += row.cameras_used;
+    cameras += row.sensors_used;
     if (const auto p_WB = truth(series, row.ball, row.exposure_ns)) {
       errors.push_back((row.p_measured - *p_WB).norm());
     }

@@ -21,7 +21,8 @@ using gnuplot::terminal;
 
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
 
-constexpr std::array<const char*, kMaxBalls> kBallColours{"black", "#1b7837", "#b35806", "#7b3294"};
+constexpr std::array<const char*, kMaxObjects> kBallColours{
+    "black", "#1b7837", "#b35806", "#7b3294", "#2166ac", "#b2182b", "#01665e", "#8c510a"};
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
 

@@ -103,7 +103,7 @@ ordered_json to_json(const Report& report) {
       {"criteria", to_json(figures.criteria)},
       {"loops_completed", figures.loops_completed},
       {"loop_times_s", figures.loop_times},
-      {"ball", balls},
+      {"objects", balls},
       {"judged", to_json(figures.judged)},
       {"path", path},
       {"out_of_band", to_json(figures.out_of_band)},

@@ -11,12 +11,12 @@
 
 namespace c3rt::cli {
 
-constexpr int kMaxBalls = 4;
+constexpr int kMaxObjects = 8;
 constexpr double kNone =
     std::numeric_limits<double>::quiet_NaN();  // a figure that the run does not give
 
-inline std::array<Eigen::Vector3d, kMaxBalls> zeros() {
-  std::array<Eigen::Vector3d, kMaxBalls> result;
+inline std::array<Eigen::Vector3d, kMaxObjects> zeros() {
+  std::array<Eigen::Vector3d, kMaxObjects> result;
   result.fill(Eigen::Vector3d::Zero());
   return result;
 }
@@ -26,7 +26,7 @@ struct SceneRow {
   std::int64_t time_ns = 0;
   bool exposure = false;  // the cameras exposed at this instant
   int ball_count = 0;
-  std::array<Eigen::Vector3d, kMaxBalls> p_WB = zeros();  // [m]
+  std::array<Eigen::Vector3d, kMaxObjects> p_WB = zeros();  // [m]
 };
 
 /// robot/state
@@ -54,19 +54,19 @@ struct PlanRow {
   std::int64_t time_ns = 0;
   std::int64_t state_ns = 0;  // the robot state that it was made from
   std::int64_t exposure_ns = 0;
-  bool rolling = false;    // roll or return: the task itself, after the approach
+  bool rolling = false;    // a phase of the strategy: the task itself, after the approach
   bool truncated = false;  // the deadline struck
   bool fallback = false;   // no solution: an older or a safe one was sent
   double solve_time = 0;   // 0 where nothing was solved [s]
 };
 
-/// ball/estimate
+/// object/estimate
 struct EstimateRow {
   std::int64_t time_ns = 0;
   std::int64_t exposure_ns = 0;
   int ball = 0;
   bool valid = false;
-  int cameras_used = 0;
+  int sensors_used = 0;
   Eigen::Vector3d p_measured = Eigen::Vector3d::Zero();  // before the low-pass filter [m]
 };
 

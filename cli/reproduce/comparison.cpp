@@ -94,8 +94,8 @@ void closed_loop(const Context& context, const std::string& scenario, Rows& rows
     rows.push_back({kVariants[i].label,
                     fmt::format("{} of {}", summary.success.successes, summary.success.count),
                     value("loops_completed", 1), shown(seconds_a_circle, 3),
-                    value("ball.0.in_band_2cm", 100), value("ball.0.in_band_1cm", 100),
-                    value("ball.0.rms_error_m", 1e3), value("ball.0.max_error_m", 1e3),
+                    value("objects.0.in_band_2cm", 100), value("objects.0.in_band_1cm", 100),
+                    value("objects.0.rms_error_m", 1e3), value("objects.0.max_error_m", 1e3),
                     value("planner.solve_time_s.p50", 1e3),
                     value("planner.solve_time_s.p99", 1e3)});
     results[scenario][kVariants[i].name] = campaign::to_json(summary, runs);

@@ -84,8 +84,10 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
   const std::filesystem::path logs = run.folder / "log";
   const auto balls = campaign::read_columns(
       logs / "sim_scene.csv",
-      {"time_ns", "p_WB_m_0_0", "p_WB_m_0_1", "p_WB_m_0_2", "v_WB_m_per_s_0_0", "v_WB_m_per_s_0_1",
-       "v_WB_m_per_s_0_2", "omega_rad_per_s_0_0", "omega_rad_per_s_0_1", "omega_rad_per_s_0_2"});
+      {"time_ns", "objects_0_p_WB_m_0", "objects_0_p_WB_m_1", "objects_0_p_WB_m_2",
+       "objects_0_v_WB_m_per_s_0", "objects_0_v_WB_m_per_s_1", "objects_0_v_WB_m_per_s_2",
+       "objects_0_omega_rad_per_s_0", "objects_0_omega_rad_per_s_1",
+       "objects_0_omega_rad_per_s_2"});
   const auto states = campaign::read_columns(logs / "robot_state.csv",
                                              {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"});
   const std::vector<double> instants = c3_instants(run);

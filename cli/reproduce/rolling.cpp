@@ -1,5 +1,6 @@
 #include "cli/reproduce/rolling.hpp"
 
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -8,7 +9,7 @@
 
 #include "cli/paths.hpp"
 #include "cli/report/course.hpp"
-#include "idl/topics.hpp"
+#include "idl/text.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -24,9 +25,8 @@ config::Scenario scenario_of(const campaign::RunSpec& spec) {
 std::vector<double> c3_instants(const campaign::RunResult& run) {
   std::vector<double> instants;
   for (const auto& plan :
-       campaign::read_columns(run.folder / "log" / "plan.csv", {"phase", "state_ns"})) {
-    const int phase = static_cast<int>(plan[0]);
-    if (phase == c3rt_v1_PHASE_ROLL || phase == c3rt_v1_PHASE_RETURN) instants.push_back(plan[1]);
+       campaign::read_cells(run.folder / "log" / "plan.csv", {"phase", "state_ns"})) {
+    if (wire::is_at_task(plan[0])) instants.push_back(std::strtod(plan[1].c_str(), nullptr));
   }
   if (instants.empty())
     throw std::runtime_error(run.folder.string() + ": the run never began its task");
@@ -35,9 +35,9 @@ std::vector<double> c3_instants(const campaign::RunResult& run) {
 
 BallTrack ball_track(const campaign::RunResult& run, int ball) {
   const double start = c3_instants(run).front();
-  const auto rows = campaign::read_columns(
-      run.folder / "log" / "sim_scene.csv",
-      {"time_ns", fmt::format("p_WB_m_{}_0", ball), fmt::format("p_WB_m_{}_1", ball)});
+  const auto rows = campaign::read_columns(run.folder / "log" / "sim_scene.csv",
+                                           {"time_ns", fmt::format("objects_{}_p_WB_m_0", ball),
+                                            fmt::format("objects_{}_p_WB_m_1", ball)});
   BallTrack track;
   for (const auto& row : rows) {
     if (row[0] < start) continue;

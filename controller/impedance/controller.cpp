@@ -11,10 +11,10 @@ namespace {
 constexpr double kSecondsPerNs = 1e-9;
 constexpr double kQuaternionTolerance = 1e-2;  // a norm farther from 1 is no orientation
 // what no planner of this arm can mean; more than the limits but less than this is cut to them
-constexpr double kFarthest = 2.0;         // from the robot's base [m]
-constexpr double kFastest = 10.0;         // [m/s]
-constexpr double kStrongest = 200.0;      // [N]
-constexpr double kLongestDeltaT_c = 1.0;  // [s]
+constexpr double kFarthest = 2.0;       // from the robot's base [m]
+constexpr double kFastest = 10.0;       // [m/s]
+constexpr double kStrongest = 200.0;    // [N]
+constexpr double kLongestAhead = 10.0;  // of a knot, from the plan's stamp [s]
 // of a joint's velocity limit: from here the reference asks for less, from there for nothing
 constexpr double kFastJoint = 0.5, kTooFastJoint = 0.8;
 
@@ -23,11 +23,19 @@ double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
 }
 
 /// Finite, and of this world. (A comparison with NaN is false.)
+bool is_plausible(const Knot& knot, std::int64_t stamp_ns) noexcept {
+  return knot.p_WE.norm() <= kFarthest && knot.v_WE.norm() <= kFastest &&
+         knot.force_E.norm() <= kStrongest &&
+         std::abs(static_cast<double>(knot.time_ns) - static_cast<double>(stamp_ns)) *
+                 kSecondsPerNs <=
+             kLongestAhead &&
+         std::abs(knot.q_WE.norm() - 1.0) <= kQuaternionTolerance;
+}
+
 bool is_plausible(const Plan& plan) noexcept {
-  return plan.p_WE.norm() <= kFarthest && plan.v_WE.norm() <= kFastest &&
-         plan.force_E.norm() <= kStrongest && plan.delta_t_c >= 0.0 &&
-         plan.delta_t_c <= kLongestDeltaT_c &&
-         std::abs(plan.q_WE.norm() - 1.0) <= kQuaternionTolerance;
+  if (!are_ordered(plan.knots, plan.knot_count)) return false;
+  return std::all_of(plan.knots.begin(), plan.knots.begin() + plan.knot_count,
+                     [&plan](const Knot& knot) { return is_plausible(knot, plan.stamp_ns); });
 }
 
 StopReason reason_of(StateFault fault) noexcept {
@@ -252,12 +260,13 @@ Goal Controller::target(const Input& input) noexcept {
   if (mode_ != Mode::kTrack) return target;
 
   const Plan& plan = input.plan;
-  target.p_WE = plan.p_WE;
-  target.v_WE = plan.v_WE;
-  target.q_WE = plan.q_WE.normalized();
-  if (parameters_.reference == Reference::kInterpolate) {
-    const double to_go = plan.delta_t_c - seconds_between(plan.stamp_ns, input.now_ns);
-    target.p_WE -= plan.v_WE * std::max(to_go, 0.0);
+  const Goal planned = interpolate(plan.knots, plan.knot_count, input.now_ns);
+  target.p_WE = planned.p_WE;
+  target.v_WE = planned.v_WE;
+  target.q_WE = planned.q_WE;
+  if (parameters_.reference == Reference::kInterpolate && plan.knot_count == 1) {
+    const double to_go = seconds_between(input.now_ns, plan.knots[0].time_ns);
+    target.p_WE -= planned.v_WE * std::max(to_go, 0.0);
     if (to_go <= 0.0) target.v_WE.setZero();
   }
   const Eigen::Vector3d inside =
@@ -268,8 +277,8 @@ Goal Controller::target(const Input& input) noexcept {
     target.p_WE = inside;
   }
   if (parameters_.feed_forward && plan.status != PlanStatus::kFallback &&
-      plan.force_E.norm() > parameters_.feed_forward_threshold) {
-    target.force_E = plan.force_E;
+      planned.force_E.norm() > parameters_.feed_forward_threshold) {
+    target.force_E = planned.force_E;
   }
   return target;
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "controller/impedance/knots.hpp"
 #include "controller/impedance/law.hpp"
 #include "controller/impedance/mode.hpp"
 #include "controller/impedance/parameters.hpp"
@@ -25,12 +26,8 @@ struct Plan {
   std::int64_t stamp_ns = 0;
   std::int64_t valid_until_ns = 0;
   PlanStatus status = PlanStatus::kUnknown;
-  Eigen::Vector3d p_WE = Eigen::Vector3d::Zero();  // x_d [m]
-  Eigen::Vector3d v_WE = Eigen::Vector3d::Zero();  // [m/s]
-  Eigen::Quaterniond q_WE = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d force_E =
-      Eigen::Vector3d::Zero();  // that the contacts exert on the end effector, in W [N]
-  double delta_t_c = 0.0;       // x_d is the state at stamp + delta_t_c [s]
+  int knot_count = 0;
+  Knots knots;  // the first knot_count of them: one is x_d, a state to follow; more are a motion
 };
 
 /// The newest samples; a caller that never received one says so. A plan is given from its stamp on,

@@ -9,11 +9,10 @@
 
 namespace c3rt::impedance {
 
-/// How the reference follows a plan.
+/// How the reference follows a plan of one knot.
 enum class Reference {
   kHold,         // x_d and v_d as they come
-  kInterpolate,  // moves with v_d so as to reach x_d at the plan's time + delta_t_c, then rests
-                 // there
+  kInterpolate,  // moves with v_d so as to reach x_d at the knot's time, then rests there
 };
 
 struct Limits {

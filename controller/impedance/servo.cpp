@@ -1,5 +1,6 @@
 #include "controller/impedance/servo.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
 constexpr std::int64_t kEndFault = -1;
+static_assert(c3rt_v2_MAX_KNOTS == kMaxKnots, "room for every knot of a plan");
 constexpr double kStanding = 0.02;  // [rad/s]
 
 Eigen::Vector3d to_vector(const double (&v)[3]) noexcept {
@@ -20,13 +22,13 @@ void from_vector(const Eigen::Vector3d& v, double (&out)[3]) noexcept {
   Eigen::Map<Eigen::Vector3d>{out} = v;
 }
 
-PlanStatus status_of(c3rt_v1_PlanStatus status) noexcept {
+PlanStatus status_of(c3rt_v2_PlanStatus status) noexcept {
   switch (status) {
-    case c3rt_v1_PLAN_OK:
+    case c3rt_v2_PLAN_OK:
       return PlanStatus::kOk;
-    case c3rt_v1_PLAN_TRUNCATED:
+    case c3rt_v2_PLAN_TRUNCATED:
       return PlanStatus::kTruncated;
-    case c3rt_v1_PLAN_FALLBACK:
+    case c3rt_v2_PLAN_FALLBACK:
       return PlanStatus::kFallback;
   }
   return PlanStatus::kUnknown;
@@ -61,12 +63,16 @@ void unpack(const wire::Plan& plan, Input& input) noexcept {
   input.plan.stamp_ns = plan.header.time_ns;
   input.plan.valid_until_ns = plan.valid_until_ns;
   input.plan.status = status_of(plan.status);
-  input.plan.p_WE = to_vector(plan.p_WE_desired_m);
-  input.plan.v_WE = to_vector(plan.v_WE_desired_m_per_s);
-  const double(&q)[4] = plan.q_WE_desired;
-  input.plan.q_WE = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-  input.plan.force_E = to_vector(plan.force_E_n);
-  input.plan.delta_t_c = plan.delta_t_c_s;
+  input.plan.knot_count = std::clamp(static_cast<int>(plan.knot_count), 0, kMaxKnots);
+  for (int i = 0; i < input.plan.knot_count; ++i) {
+    const c3rt_v2_Knot& from = plan.knots[i];
+    Knot& knot = input.plan.knots[static_cast<std::size_t>(i)];
+    knot.time_ns = from.time_ns;
+    knot.p_WE = to_vector(from.p_WE_m);
+    knot.v_WE = to_vector(from.v_WE_m_per_s);
+    knot.q_WE = Eigen::Quaterniond(from.q_WE[0], from.q_WE[1], from.q_WE[2], from.q_WE[3]);
+    knot.force_E = to_vector(from.force_E_n);
+  }
 }
 
 /// Takes a fault's duration, if one was injected, and gives the time until which it lasts.

@@ -1,4 +1,4 @@
-// c3rt-planner: robot state and ball estimate in, plan out, at a fixed rate.
+// c3rt-planner: robot state and object estimates in, plan out, at a fixed rate.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,12 +22,15 @@
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
 #include "idl/replies.hpp"
+#include "idl/text.hpp"
 
 namespace {
 
 using namespace c3rt;
 
 constexpr long kRobot = 0;
+static_assert(c3rt_v2_MAX_OBJECTS == scene::kMaxBodies,
+              "the wire has room for every body of a scene");
 constexpr double kCommandTimeout = 0.1;  // [s]
 constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
@@ -46,24 +49,24 @@ struct Inputs {
       : states(bus), commands(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
   wire::Reader<wire::RobotState> states;
   wire::Reader<wire::RobotCommand> commands;
-  wire::Reader<wire::BallEstimate> estimates;
+  wire::Reader<wire::ObjectEstimate> estimates;
   wire::Reader<wire::TaskTarget> targets;
   wire::Reader<wire::ServiceRequest> requests;
   wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
   wire::RobotCommand command{};
-  std::array<std::optional<wire::BallEstimate>, scene::kMaxBodies> balls;  // by key
+  std::array<std::optional<wire::ObjectEstimate>, scene::kMaxBodies> objects;  // by key
   bool has_state = false, stopped = false;
   planner::Target target = planner::ScenarioTarget{};
   std::int64_t stall_until_ns = 0, nan_until_ns = 0;
 };
 
-// what strangers write is checked: a ball that the scenario does not have is nobody's
-void take_estimates(Inputs& in, int balls, std::int64_t now_ns) {
-  wire::BallEstimate estimate{};
+// what strangers write is checked: an object that the scenario does not have is nobody's
+void take_estimates(Inputs& in, int objects, std::int64_t now_ns) {
+  wire::ObjectEstimate estimate{};
   while (in.estimates.take_next_effective(now_ns, estimate)) {
-    if (estimate.ball >= 0 && estimate.ball < balls)
-      in.balls[static_cast<std::size_t>(estimate.ball)] = estimate;
+    if (estimate.object_index >= 0 && estimate.object_index < objects)
+      in.objects[static_cast<std::size_t>(estimate.object_index)] = estimate;
   }
 }
 
@@ -130,7 +133,7 @@ void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
   }
 }
 
-planner::BodyInput body_input(const wire::BallEstimate& seen, std::int64_t now_ns) {
+planner::BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
   return {seen.valid,
           seconds(now_ns - seen.exposure_ns),
           {vector(seen.p_WB_m),
@@ -157,61 +160,75 @@ planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& 
     input.effector.p_WE = arm_state.X_WE.translation();
     input.effector.v_WE = arm_state.V_WE.head<3>();
   }
-  for (std::size_t i = 0; i < in.balls.size(); ++i) {
-    if (in.balls[i]) input.bodies[i] = body_input(*in.balls[i], now_ns);
+  for (std::size_t i = 0; i < in.objects.size(); ++i) {
+    if (in.objects[i]) input.bodies[i] = body_input(*in.objects[i], now_ns);
   }
   return input;
 }
 
-c3rt_v1_PlanPhase phase_of(planner::Mode mode) {
+const char* phase_of(planner::Mode mode) {
   switch (mode) {
     case planner::Mode::kWait:
-      return c3rt_v1_PHASE_WAIT;
+      return "wait";
     case planner::Mode::kApproach:
-      return c3rt_v1_PHASE_APPROACH;
+      return "approach";
     case planner::Mode::kRoll:
-      return c3rt_v1_PHASE_ROLL;
+      return "roll";
     case planner::Mode::kReturn:
-      return c3rt_v1_PHASE_RETURN;
+      return "return";
     case planner::Mode::kRest:
+      return "rest";
     case planner::Mode::kHold:
-      return c3rt_v1_PHASE_HOLD;
+      return "hold";
   }
-  return c3rt_v1_PHASE_HOLD;
+  return "hold";
 }
 
-wire::Plan to_wire(const planner::Plan& plan, const Inputs& in,
-                   const planner::Parameters& parameters) {
+/// @param effective_ns from when on it is followed
+wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, std::int64_t effective_ns) {
   wire::Plan out{};
   out.robot = kRobot;
   out.origin.state_ns = in.state.header.time_ns;
-  if (const auto& ball = in.balls[static_cast<std::size_t>(plan.ball)]) {
-    out.origin.exposure_ns = ball->exposure_ns;
-    out.origin.estimate_ns = ball->header.time_ns;
+  if (const auto& object = in.objects[static_cast<std::size_t>(plan.ball)]) {
+    out.origin.exposure_ns = object->exposure_ns;
+    out.origin.estimate_ns = object->header.time_ns;
   }
-  out.status = plan.status == planner::PlanStatus::kOk          ? c3rt_v1_PLAN_OK
-               : plan.status == planner::PlanStatus::kTruncated ? c3rt_v1_PLAN_TRUNCATED
-                                                                : c3rt_v1_PLAN_FALLBACK;
-  out.phase = phase_of(plan.mode);
-  fill(out.p_WE_desired_m, plan.p_WE);
-  fill(out.v_WE_desired_m_per_s, plan.v_WE);
-  fill(out.q_WE_desired,
-       Eigen::Vector4d(plan.q_WE.w(), plan.q_WE.x(), plan.q_WE.y(), plan.q_WE.z()));
-  fill(out.force_E_n, plan.force_E);
-  fill(out.ball_target_m, plan.ball_target);
+  out.status = plan.status == planner::PlanStatus::kOk          ? c3rt_v2_PLAN_OK
+               : plan.status == planner::PlanStatus::kTruncated ? c3rt_v2_PLAN_TRUNCATED
+                                                                : c3rt_v2_PLAN_FALLBACK;
+  wire::set_text(out.phase, phase_of(plan.mode));
+  out.knot_count = 1;
+  c3rt_v2_Knot& knot = out.knots[0];
+  knot.time_ns = effective_ns + nanoseconds(plan.delta_t_c);
+  fill(knot.p_WE_m, plan.p_WE);
+  fill(knot.v_WE_m_per_s, plan.v_WE);
+  fill(knot.q_WE, Eigen::Vector4d(plan.q_WE.w(), plan.q_WE.x(), plan.q_WE.y(), plan.q_WE.z()));
+  fill(knot.force_E_n, plan.force_E);
+  return out;
+}
+
+/// One step after the other.
+template <std::size_t n>
+void fill_horizon(double (&out)[n], const Eigen::MatrixXd& values) {
+  fill(out, values.reshaped());
+}
+
+wire::PlannerDebug debug_to_wire(const planner::Plan& plan, const planner::Parameters& parameters) {
+  wire::PlannerDebug out{};
+  out.robot = kRobot;
+  out.object_index = plan.ball;
+  fill(out.p_WB_target_m, plan.ball_target);
   out.delta_t_c_s = plan.delta_t_c;
-  out.n_x = static_cast<int>(plan.x.rows());
-  out.n_lambda = static_cast<int>(plan.lambda.rows());
-  out.n_u = static_cast<int>(plan.u.rows());
-  out.N = parameters.N;
+  out.horizon = parameters.N;
+  out.state_count = static_cast<int>(plan.x.rows());
+  out.force_count = static_cast<int>(plan.lambda.rows());
+  out.input_count = static_cast<int>(plan.u.rows());
   fill(out.u_c3, plan.u_c3);
   fill(out.lambda_d, plan.lambda_d);
-  for (int k = 0; k < parameters.N; ++k) {
-    fill(out.x[k], plan.x.col(k));
-    fill(out.lambda[k], plan.lambda.col(k));
-    fill(out.u[k], plan.u.col(k));
-  }
-  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v1_MAX_ADMM);
+  fill_horizon(out.states, plan.x);
+  fill_horizon(out.forces, plan.lambda);
+  fill_horizon(out.inputs, plan.u);
+  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v2_MAX_ADMM);
   fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
                                 plan.primal_residual.size(), out.admm_iterations)));
   out.complementarity_violation = plan.complementarity_violation;
@@ -269,6 +286,7 @@ int run(const config::ProcessOptions& options) {
   model::Arm arm(scenario.impedance.arm);
   Inputs in(bus);
   wire::Writer<wire::Plan> writer(bus);
+  wire::Writer<wire::PlannerDebug> debug_writer(bus);
   wire::Replies replies(bus, c3rt_v1_PROCESS_PLANNER);
   const planner::TargetLimits limits = planner::target_limits(parameters);
   Teller teller(status, parameters);
@@ -305,16 +323,19 @@ int run(const config::ProcessOptions& options) {
 
     // what does not know where the arm is asks nothing of it: without plans the arm is held
     if (in.has_state && plan.mode != planner::Mode::kWait) {
-      wire::Plan out = to_wire(plan, in, parameters);
-      out.solve_time_s = measured;
       // sent at once, in effect at a time that does not depend on how long the solve took
       const std::int64_t solved_ns =
           realtime ? rt::now_ns() : now_ns + nanoseconds(scenario.timing.solve_time_s);
       const std::int64_t effective_ns =
           std::max(now_ns + nanoseconds(parameters.publish_delay), solved_ns);
+      wire::Plan out = to_wire(plan, in, effective_ns);
+      out.solve_time_s = measured;
       out.valid_until_ns = effective_ns + nanoseconds(parameters.valid_for);
-      if (now_ns < in.nan_until_ns) out.p_WE_desired_m[0] = std::nan("");
+      if (now_ns < in.nan_until_ns) out.knots[0].p_WE_m[0] = std::nan("");
       writer.write(out, effective_ns);
+      wire::PlannerDebug debug = debug_to_wire(plan, parameters);
+      debug.plan_seq = out.header.seq;
+      debug_writer.write(debug, effective_ns);
       ++plans;
     }
     truncated = planner.counters().truncated;

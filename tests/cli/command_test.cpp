@@ -239,9 +239,9 @@ TEST_CASE("down where nothing runs succeeds, status says that nothing runs") {
 }
 
 TEST_CASE("an unknown topic is a usage error that lists the known ones") {
-  const Outcome outcome = Place().c3rt("echo ball/velocity --domain 97");
+  const Outcome outcome = Place().c3rt("echo object/velocity --domain 97");
   CHECK(outcome.status == 2);
-  CHECK_THAT(outcome.output, Contains("ball/estimate"));
+  CHECK_THAT(outcome.output, Contains("object/estimate"));
 }
 
 TEST_CASE("c3rt scenario prints a scenario whole, so that the print can be run in its place") {

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "idl/text.hpp"
 #include "tests/cli/folder.hpp"
 #include "tests/support/small_disk.hpp"
 
@@ -16,16 +17,15 @@ using namespace c3rt::cli;
 wire::Plan plan() {
   wire::Plan sample{};
   sample.header = {7, 3, 1'000'000};
-  sample.N = 2;
-  sample.n_x = 19;
-  sample.n_lambda = 12;
-  sample.n_u = 3;
-  sample.x[1][18] = 0.5;
+  sample.knot_count = 2;
+  sample.knots[1].p_WE_m[2] = 0.5;
   sample.solve_time_s = 0.001;
+  wire::set_text(sample.phase, "roll");
   return sample;
 }
 
-std::uint64_t hash_of(const wire::Plan& sample) {
+template <typename T>
+std::uint64_t hash_of(const T& sample) {
   HashVisitor visitor;
   visit_sample(sample, visitor);
   return visitor.value();
@@ -36,14 +36,18 @@ std::uint64_t hash_of(const wire::Plan& sample) {
 TEST_CASE("the hash sees every value that counts, the predicted horizon included") {
   const std::uint64_t reference = hash_of(plan());
   wire::Plan changed = plan();
-  changed.x[1][18] = std::nextafter(0.5, 1.0);  // one bit
+  changed.knots[1].p_WE_m[2] = std::nextafter(0.5, 1.0);  // one bit
   REQUIRE(hash_of(changed) != reference);
   changed = plan();
   changed.header.time_ns += 1;
   REQUIRE(hash_of(changed) != reference);
   changed = plan();
-  changed.phase = c3rt_v1_PHASE_RETURN;
+  wire::set_text(changed.phase, "return");
   REQUIRE(hash_of(changed) != reference);
+  wire::PlannerDebug debug{};
+  const std::uint64_t horizon = hash_of(debug);
+  debug.states[479] = 1e-300;
+  REQUIRE(hash_of(debug) != horizon);
 }
 
 TEST_CASE("the hash does not see the session, what the machine measured, or what is not used") {
@@ -51,8 +55,8 @@ TEST_CASE("the hash does not see the session, what the machine measured, or what
   wire::Plan changed = plan();
   changed.header.session_id = 99;
   changed.solve_time_s = 0.7;
-  changed.x[2][0] = 1.0;   // beyond the horizon
-  changed.x[0][19] = 1.0;  // beyond the state
+  changed.knots[2].p_WE_m[0] = 1.0;  // behind the last knot
+  changed.phase[6] = 'x';            // behind the text's end
   REQUIRE(hash_of(changed) == reference);
 }
 
@@ -85,16 +89,16 @@ TEST_CASE("the hash does not see the padding between the fields") {
 TEST_CASE("the log of a topic is a table with as many names as numbers") {
   const Folder folder;
   {
-    TopicLog<wire::BallEstimate> log(folder.path());
-    wire::BallEstimate sample{};
+    TopicLog<wire::ObjectEstimate> log(folder.path());
+    wire::ObjectEstimate sample{};
     sample.header = {7, 12, 34'000'000};
     sample.p_WB_m[1] = 0.125;
     log.add(sample);
     // a table that is not whole has another name
-    REQUIRE_FALSE(std::filesystem::exists(folder.path() / "ball_estimate.csv"));
+    REQUIRE_FALSE(std::filesystem::exists(folder.path() / "object_estimate.csv"));
     log.finish();
   }
-  std::ifstream file(folder.path() / "ball_estimate.csv");
+  std::ifstream file(folder.path() / "object_estimate.csv");
   std::string names, numbers;
   REQUIRE(std::getline(file, names));
   REQUIRE(std::getline(file, numbers));

@@ -33,11 +33,10 @@ TEST_CASE("Recorder: samples that cannot be are refused, not followed, and told"
   wire::Writer<wire::Plan> plans(bus);
   wire::Writer<wire::Scene> scenes(bus);
   auto plan = plain<wire::Plan>();
-  plan.N = 1000000;
-  plan.n_x = plan.n_lambda = plan.n_u = 1000000;
+  plan.knot_count = 1000000;
   plan.valid_until_ns = rt::now_ns() + 1'000'000'000;
   auto scene = plain<wire::Scene>();
-  scene.ball_count = -1;
+  scene.object_count = -1;
   const auto refused = [&](const char* topic) {
     const std::vector<wire::RefusedCount> all = recorder.live().refused;
     return std::any_of(all.begin(), all.end(), [&](const wire::RefusedCount& count) {

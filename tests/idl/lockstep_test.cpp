@@ -40,7 +40,7 @@ int impedance() {
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) {
     if (!states.take_effective(now_ns, state)) return 2;
-    if (plans.take_effective(now_ns, plan)) command.tau_nm[0] = plan.x[0][0];
+    if (plans.take_effective(now_ns, plan)) command.tau_nm[0] = plan.knots[0].p_WE_m[0];
     command.origin.state_ns = state.header.time_ns;
     command.origin.plan_ns = static_cast<std::int64_t>(plan.header.seq);
     commands.write(command, now_ns);
@@ -66,7 +66,7 @@ int planner() {
     while (states.take(state)) ++seen;
     // at the first tick one state, then one per millisecond
     if (seen != (now_ns == 0 ? 1 : kPlanPeriod_ns / kMs)) return 2;
-    plan.x[0][0] = state.q_rad[0];
+    plan.knots[0].p_WE_m[0] = state.q_rad[0];
     plan.valid_until_ns = now_ns + kSecond;
     plans.write(plan, now_ns + (plans.seq() % 2 == 0 ? 0 : 5 * kMs));
   }
@@ -153,18 +153,18 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
   Child child([] {
     const StopFlag stop;
     Bus bus(test::settings(ClockMode::kLockstep));
-    Writer<BallEstimate> estimates(bus);
+    Writer<ObjectEstimate> estimates(bus);
     Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs, 3 * kMs});
-    auto estimate = plain<BallEstimate>();
+    auto estimate = plain<ObjectEstimate>();
     std::int64_t now_ns = 0;
     while (loop.wait(now_ns)) estimates.write(estimate, now_ns);
     return stopped(loop);
   });
   {
     Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
-    Reader<BallEstimate> estimates(bus);
+    Reader<ObjectEstimate> estimates(bus);
     LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 10 * kSecond);
-    auto estimate = plain<BallEstimate>();
+    auto estimate = plain<ObjectEstimate>();
     std::vector<std::int64_t> acted_ms;
     for (int k = 0; k < 40; ++k) {
       REQUIRE(master.advance(k * kMs));

@@ -60,7 +60,7 @@ TEST_CASE(
   REQUIRE(eventually([&] { return writer.matched_readers() == 1; }));
   auto plan = plain<Plan>(), seen = plan;
   for (int i = 1; i <= 2; ++i) {
-    plan.N = i;
+    plan.knots[0].p_WE_m[0] = i;
     REQUIRE(writer.write(plan, i * 100 * kMs));
     // the servo thread asks often; each plan arrives while none is due
     REQUIRE(eventually([&] {
@@ -71,10 +71,10 @@ TEST_CASE(
     CHECK_FALSE(inlet.take(99 * kMs, seen));
   }
   REQUIRE(inlet.take(100 * kMs, seen));
-  CHECK(seen.N == 1);
+  CHECK(seen.knots[0].p_WE_m[0] == 1);
   CHECK_FALSE(inlet.take(199 * kMs, seen));
   REQUIRE(inlet.take(200 * kMs, seen));
-  CHECK(seen.N == 2);
+  CHECK(seen.knots[0].p_WE_m[0] == 2);
   CHECK_FALSE(inlet.take(300 * kMs, seen));
 }
 

@@ -8,14 +8,17 @@
 
 #include <catch2/catch.hpp>
 
+#include "controller/scene/scene.hpp"
+
 namespace c3rt::wire {
 namespace {
 
 // the sizes that the model and the planner are built for stand in the contract, not only in the
 // code
-static_assert(sizeof(Plan::x) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_STATES * sizeof(double));
-static_assert(sizeof(Plan::lambda) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_FORCES * sizeof(double));
-static_assert(sizeof(Plan::u) == c3rt_v1_MAX_HORIZON * c3rt_v1_MAX_INPUTS * sizeof(double));
+static_assert(c3rt_v2_HORIZON_STATES == c3rt_v2_MAX_HORIZON * c3rt_v2_MAX_STATES);
+static_assert(c3rt_v2_HORIZON_FORCES == c3rt_v2_MAX_HORIZON * c3rt_v2_MAX_FORCES);
+static_assert(c3rt_v2_HORIZON_INPUTS == c3rt_v2_MAX_HORIZON * c3rt_v2_MAX_INPUTS);
+static_assert(c3rt_v2_MAX_OBJECTS == scene::kMaxBodies, "one capacity");
 static_assert(sizeof(Tick::newest_seq) == sizeof(Done::newest_seq));
 static_assert(sizeof(Tick::newest_seq) == c3rt_v1_TOPIC_COUNT * sizeof(std::uint64_t));
 static_assert(sizeof(ServiceStatus::counters) == c3rt_v2_COUNTERS * sizeof(std::uint64_t));
@@ -30,10 +33,10 @@ const auto kTopics = table_by_name();
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
   for (const auto& [name, topic] : kTopics) names.insert(name);
-  CHECK(names == std::set<std::string>{"robot/state", "robot/command", "plan", "ball/detection",
-                                       "ball/estimate", "task/target", "sim/scene", "sim/tick",
-                                       "sim/done", "service/status", "service/request",
-                                       "service/reply", "fault/inject"});
+  CHECK(names == std::set<std::string>{"robot/state", "robot/command", "plan", "planner/debug",
+                                       "object/detection", "object/estimate", "task/target",
+                                       "sim/scene", "sim/tick", "sim/done", "service/status",
+                                       "service/request", "service/reply", "fault/inject"});
 }
 
 TEST_CASE("topics: a type has its own line of the table") {
@@ -110,10 +113,10 @@ TEST_CASE("topics: no two topics share a type or a place in a tick") {
 
 TEST_CASE("topics: every sample that crosses the network begins with a key or the header") {
   // DESIGN, section 2: the keyed topics
-  const std::set<std::string> keyed = {"robot/state",    "robot/command",   "plan",
-                                       "ball/detection", "ball/estimate",   "sim/done",
-                                       "service/status", "service/request", "service/reply",
-                                       "fault/inject"};
+  const std::set<std::string> keyed = {"robot/state",   "robot/command",    "plan",
+                                       "planner/debug", "object/detection", "object/estimate",
+                                       "sim/done",      "service/status",   "service/request",
+                                       "service/reply", "fault/inject"};
   for (const auto& [name, topic] : kTopics) {
     INFO(name);
     CHECK((topic->descriptor->m_nkeys > 0) == (keyed.count(name) == 1));

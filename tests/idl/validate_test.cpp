@@ -21,6 +21,7 @@ using test::plain;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLargest = std::numeric_limits<double>::max();
 
 // ---- what a consumer needs, written again, without the checks of idl/validate.cpp
 
@@ -46,6 +47,9 @@ bool unit(const double (&q)[4]) {
   return below(q, 2.0) &&
          std::fabs(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) - 1.0) <= 0.0101;
 }
+bool unit_or_none(const double (&q)[4]) {
+  return (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0) || unit(q);
+}
 template <std::size_t n>
 bool ends(const char (&text)[n]) {
   for (const char letter : text) {
@@ -64,9 +68,8 @@ bool near(const Origin& origin, std::int64_t time_ns) {
 }
 
 bool usable(const RobotState& s) {
-  const bool told = s.q_WE[0] != 0 || s.q_WE[1] != 0 || s.q_WE[2] != 0 || s.q_WE[3] != 0;
   return s.robot == 0 && below(s.q_rad, 10) && below(s.dq_rad_per_s, 100) && below(s.tau_nm, 1e3) &&
-         below(s.p_WE_m, 5) && (!told || unit(s.q_WE)) && known(s.mode, 3) &&
+         below(s.p_WE_m, 5) && unit_or_none(s.q_WE) && known(s.mode, 3) &&
          s.command_success_rate >= 0 && s.command_success_rate <= 1 &&
          near(s.command_state_ns, s.header.time_ns);
 }
@@ -77,46 +80,59 @@ bool usable(const RobotCommand& s) {
 bool usable(const Plan& s) {
   const double valid_s =
       1e-9 * (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns));
-  if (s.n_x < 0 || s.n_x > 48 || s.n_lambda < 0 || s.n_lambda > 64 || s.n_u < 0 || s.n_u > 4 ||
-      s.N < 0 || s.N > 10 || s.admm_iterations < 0 || s.admm_iterations > 16)
-    return false;
-  for (int k = 0; k < s.N; ++k) {
-    for (int i = 0; i < s.n_x; ++i)
-      if (!std::isfinite(s.x[k][i])) return false;
-    for (int i = 0; i < s.n_lambda; ++i)
-      if (!std::isfinite(s.lambda[k][i])) return false;
-    for (int i = 0; i < s.n_u; ++i)
-      if (!std::isfinite(s.u[k][i])) return false;
+  if (s.knot_count < 1 || s.knot_count > 16) return false;
+  for (int i = 0; i < s.knot_count; ++i) {
+    const c3rt_v2_Knot& knot = s.knots[i];
+    const double ahead_s =
+        1e-9 * (static_cast<double>(knot.time_ns) - static_cast<double>(s.header.time_ns));
+    if (std::fabs(ahead_s) > 10.001 || (i > 0 && knot.time_ns <= s.knots[i - 1].time_ns) ||
+        !below(knot.p_WE_m, 5) || !below(knot.v_WE_m_per_s, 10) || !unit(knot.q_WE) ||
+        !below(knot.force_E_n, 1e3))
+      return false;
   }
   return s.robot == 0 && near(s.origin, s.header.time_ns) && valid_s >= 0 && valid_s <= 10 &&
-         known(s.status, 2) && known(s.phase, 4) && below(s.p_WE_desired_m, 5) &&
-         below(s.v_WE_desired_m_per_s, 10) && unit(s.q_WE_desired) && below(s.force_E_n, 1e3) &&
-         below(s.ball_target_m, 1e6) && s.delta_t_c_s >= 0 && s.delta_t_c_s <= 10 &&
-         s.solve_time_s >= 0 && std::isfinite(s.solve_time_s) && below(s.u_c3, 1.7e308) &&
-         below(s.lambda_d, 1.7e308) && below(s.primal_residual, 1.7e308) &&
+         known(s.status, 2) && ends(s.phase) && s.solve_time_s >= 0 &&
+         std::isfinite(s.solve_time_s);
+}
+bool usable(const PlannerDebug& s) {
+  const bool counted = s.horizon >= 0 && s.horizon <= 10 && s.state_count >= 0 &&
+                       s.state_count <= 48 && s.force_count >= 0 && s.force_count <= 64 &&
+                       s.input_count >= 0 && s.input_count <= 4 && s.admm_iterations >= 0 &&
+                       s.admm_iterations <= 16 && s.candidate_count >= 0 && s.candidate_count <= 32;
+  if (!counted) return false;
+  for (int i = 0; i < s.candidate_count; ++i) {
+    if (!below(s.candidates[i].p_WE_m, kLargest) || !std::isfinite(s.candidates[i].cost))
+      return false;
+  }
+  return s.robot == 0 && s.object_index >= 0 && s.object_index < 8 && below(s.states, kLargest) &&
+         below(s.forces, kLargest) && below(s.inputs, kLargest) && below(s.u_c3, kLargest) &&
+         below(s.lambda_d, kLargest) && below(s.primal_residual, kLargest) &&
+         below(s.p_WB_target_m, kLargest) && std::isfinite(s.delta_t_c_s) &&
          std::isfinite(s.complementarity_violation);
 }
-bool usable(const BallDetection& s) {
-  return s.camera >= 0 && s.camera < 64 && s.ball >= 0 && s.ball < 4 &&
+bool usable(const ObjectDetection& s) {
+  return s.camera >= 0 && s.camera < 64 && s.object_index >= 0 && s.object_index < 8 &&
          near(s.exposure_ns, s.header.time_ns) && known(s.found) && known(s.used) &&
          std::fabs(s.u_px) <= 1e5 && std::fabs(s.v_px) <= 1e5 && s.radius_px >= 0 &&
-         s.radius_px <= 1e5 && below(s.p_WB_m, 10);
+         s.radius_px <= 1e5 && below(s.p_WB_m, 10) && unit_or_none(s.q_WB);
 }
-bool usable(const BallEstimate& s) {
-  return s.ball >= 0 && s.ball < 4 && near(s.exposure_ns, s.header.time_ns) && known(s.valid) &&
-         s.cameras_used >= 0 && s.cameras_used <= 64 && below(s.p_measured_m, 10) &&
+bool usable(const ObjectEstimate& s) {
+  return s.object_index >= 0 && s.object_index < 8 && ends(s.name) &&
+         near(s.exposure_ns, s.header.time_ns) && known(s.valid) && s.sensors_used >= 0 &&
+         s.sensors_used <= 64 && below(s.p_measured_m, 10) && unit_or_none(s.q_measured) &&
          below(s.p_WB_m, 10) && below(s.v_WB_m_per_s, 20) && below(s.omega_rad_per_s, 2e3) &&
-         unit(s.q_WB);
+         below(s.a_WB_m_per_s2, 100) && unit(s.q_WB);
 }
 bool usable(const TaskTarget& s) {
   return known(s.kind, 3) && below(s.center_m, 10) && std::fabs(s.radius_m) <= 10 &&
          std::fabs(s.lead_rad) <= 100;
 }
 bool usable(const Scene& s) {
-  if (s.ball_count < 0 || s.ball_count > 4) return false;
-  for (int i = 0; i < s.ball_count; ++i) {
-    if (!below(s.p_WB_m[i], 1e6) || !unit(s.q_WB[i]) || !below(s.v_WB_m_per_s[i], 1e4) ||
-        !below(s.omega_rad_per_s[i], 1e6))
+  if (s.object_count < 0 || s.object_count > 8) return false;
+  for (int i = 0; i < s.object_count; ++i) {
+    const c3rt_v2_SceneObject& object = s.objects[i];
+    if (!below(object.p_WB_m, 1e6) || !unit(object.q_WB) || !below(object.v_WB_m_per_s, 1e4) ||
+        !below(object.omega_rad_per_s, 1e6))
       return false;
   }
   return known(s.exposure) && below(s.q_rad, 10) && below(s.p_WE_m, 5);
@@ -199,34 +215,50 @@ std::string answer(const T& sample) {
 TEST_CASE("validate: the finding names the field, what came and what was expected") {
   auto plan = plain<Plan>();
   CHECK(answer(plan).empty());
-  plan.q_WE_desired[0] = 0.0;
-  CHECK(answer(plan) == "zero quaternion q_WE_desired: norm 0, expected 1");
-  plan.q_WE_desired[0] = 0.5;
-  CHECK(answer(plan) == "quaternion q_WE_desired: norm 0.5, expected 1");
+  plan.knots[0].q_WE[0] = 0.0;
+  CHECK(answer(plan) == "zero quaternion knots.q_WE[0]: norm 0, expected 1");
+  plan.knots[0].q_WE[0] = 0.5;
+  CHECK(answer(plan) == "quaternion knots.q_WE[0]: norm 0.5, expected 1");
+  for (const int count : {0, 17, 1000000}) {
+    plan = plain<Plan>();
+    plan.knot_count = count;
+    CHECK(answer(plan) == "knot_count is " + std::to_string(count) + ", expected 1 to 16");
+  }
   plan = plain<Plan>();
-  plan.N = 1000000;
-  CHECK(answer(plan) == "N is 1000000, expected 0 to 10");
-  plan = plain<Plan>();
-  plan.force_E_n[2] = -1e9;
-  CHECK(answer(plan) == "force_E_n[2] is -1000000000, expected -1000 to 1000");
+  plan.knots[0].force_E_n[2] = -1e9;
+  CHECK(answer(plan) == "knots.force_E_n[2] is -1000000000, expected -1000 to 1000");
   plan = plain<Plan>();
   plan.valid_until_ns = std::numeric_limits<std::int64_t>::max();
   CHECK_THAT(answer(plan), Catch::StartsWith("valid_until_ns after time_ns in seconds is 9.2"));
   plan = plain<Plan>();
-  plan.N = 2;
-  plan.n_x = 19;
-  plan.x[1][18] = kNaN;
-  CHECK(answer(plan) == "x[18] is nan, expected a finite number");
-  plan.n_x = 18;  // what is not used may be anything
+  plan.knots[1].p_WE_m[1] = kNaN;  // what is not used may be anything
   CHECK(answer(plan).empty());
+  plan.knot_count = 2;
+  CHECK(answer(plan) == "knots.p_WE_m[1] is nan, expected -5 to 5");
+  plan.knots[1].p_WE_m[1] = 0.0;
+  CHECK_THAT(answer(plan),
+             Catch::StartsWith("knots.time_ns after the knot before in seconds[1] is 0"));
+  plan.knots[1].time_ns = 1;
+  CHECK(answer(plan).empty());
+  plan.phase[0] = '\n';
+  CHECK_THAT(answer(plan), Catch::StartsWith("phase is no text"));
 
+  auto debug = plain<PlannerDebug>();
+  debug.horizon = 11;
+  CHECK(answer(debug) == "horizon is 11, expected 0 to 10");
+  debug = plain<PlannerDebug>();
+  debug.states[479] = kNaN;
+  CHECK(answer(debug) == "states[479] is nan, expected a finite number");
+  debug = plain<PlannerDebug>();
+  debug.candidate_count = 33;
+  CHECK(answer(debug) == "candidates is 33, expected 0 to 32");
   auto scene = plain<Scene>();
-  scene.ball_count = -1;
-  CHECK(answer(scene) == "ball_count is -1, expected 0 to 4");
-  auto estimate = plain<BallEstimate>();
+  scene.object_count = -1;
+  CHECK(answer(scene) == "object_count is -1, expected 0 to 8");
+  auto estimate = plain<ObjectEstimate>();
   estimate.p_WB_m[2] = 1e300;
   CHECK(answer(estimate) == "p_WB_m[2] is 1e+300, expected -10 to 10");
-  estimate = plain<BallEstimate>();
+  estimate = plain<ObjectEstimate>();
   estimate.exposure_ns = std::numeric_limits<std::int64_t>::min();
   CHECK_THAT(answer(estimate), Catch::StartsWith("exposure_ns is -9.2"));
   auto state = plain<RobotState>();

@@ -77,8 +77,8 @@ TEST_CASE(
   CHECK(state.command_state_ns > 0);
   CHECK(std::abs(state.q_rad[3] + 2.222) < 0.01);
   REQUIRE(until([&] { return scenes_seen > 10; }, command));
-  CHECK(scene.ball_count == 1);
-  CHECK(std::abs(scene.p_WB_m[0][0] - 0.55) < 1e-3);
+  CHECK(scene.object_count == 1);
+  CHECK(std::abs(scene.objects[0].p_WB_m[0] - 0.55) < 1e-3);
 
   REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, listen));
   CHECK(state.errors == bit(Error::kCommunicationConstraintsViolation));
@@ -116,7 +116,7 @@ TEST_CASE(
   fault.kind = c3rt_v1_FAULT_PUSH_BALL;
   fault.value[1] = -0.01;
   faults.write(fault, rt::now_ns());
-  REQUIRE(until([&] { return scene.v_WB_m_per_s[0][1] < -0.03; }, command));
+  REQUIRE(until([&] { return scene.objects[0].v_WB_m_per_s[1] < -0.03; }, command));
   fault.kind = c3rt_v1_FAULT_NAN;
   fault.duration_s = 1000;
   faults.write(fault, rt::now_ns());
@@ -174,7 +174,7 @@ Trace lockstep_trace() {
     for (const double q : state.q_rad) trace.numbers.push_back(q);
     while (scenes.take(scene)) {
       if (scene.exposure) ++trace.exposures;
-      for (const double p : scene.p_WB_m[0]) trace.numbers.push_back(p);
+      for (const double p : scene.objects[0].p_WB_m) trace.numbers.push_back(p);
     }
     wire::RobotCommand command{};
     command.origin.state_ns = now_ns;

@@ -146,11 +146,12 @@ void ClosedLoop::plan_now() {
   plan.valid_until_ns = plan.stamp_ns + nanoseconds(scenario_.planner.valid_for);
   plan.status = plan_.status == planner::PlanStatus::kFallback ? impedance::PlanStatus::kFallback
                                                                : impedance::PlanStatus::kOk;
-  plan.p_WE = plan_.p_WE;
-  plan.v_WE = plan_.v_WE;
-  plan.q_WE = plan_.q_WE;
-  plan.force_E = plan_.force_E;
-  plan.delta_t_c = plan_.delta_t_c;
+  plan.knots[0].p_WE = plan_.p_WE;
+  plan.knots[0].v_WE = plan_.v_WE;
+  plan.knots[0].q_WE = plan_.q_WE;
+  plan.knots[0].force_E = plan_.force_E;
+  plan.knot_count = 1;
+  plan.knots[0].time_ns = plan.stamp_ns + nanoseconds(plan_.delta_t_c);
   if (spoil_plan) spoil_plan(plan);
   if (plan_.mode != planner::Mode::kWait) plans_.push_back({plan.stamp_ns, plan});
 }

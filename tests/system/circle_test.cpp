@@ -87,7 +87,7 @@ TEST_CASE("system: the four processes roll the ball round the circle inside the 
   const json& report = circle.report;
   CHECK(report.at("loops_completed") == 1);
   CHECK(report.at("loop_times_s").at(0).get<double>() < 25.0);
-  CHECK(report.at("ball").at(0).at("in_band_2cm").get<double>() == 1.0);
+  CHECK(report.at("objects").at(0).at("in_band_2cm").get<double>() == 1.0);
   CHECK(report.at("end_effector").at("tracking_error_m").at("p95").get<double>() < 0.003);
   CHECK(report.at("planner").at("fallbacks") == 0);
   CHECK(report.at("plant").at("reflexes").empty());
@@ -99,7 +99,7 @@ TEST_CASE("system: with three cameras the estimate stays within 1 mm while the b
   CHECK(error.at("p95").get<double>() < 0.001);
   CHECK(vision.report.at("vision").at("dropped_frames") == 0);
   // a tenth of a circle at least: the ball did roll
-  CHECK(vision.report.at("ball").at(0).at("in_band_2cm").get<double>() > 0.0);
+  CHECK(vision.report.at("objects").at(0).at("in_band_2cm").get<double>() > 0.0);
 }
 
 TEST_CASE("system: the same scenario and seed give the same log, also while the machine is busy") {

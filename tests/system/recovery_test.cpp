@@ -275,12 +275,12 @@ TEST_CASE("recovery: a plan that jumps by 20 mm, forth and back, and farther") {
     CAPTURE(jump);
     obeys_within_limits([&](impedance::Plan& plan, const test::ClosedLoop& loop) {
       const int half = static_cast<int>(loop.time() / 0.15);
-      plan.p_WE.y() += half % 2 == 0 ? jump : -jump;
+      plan.knots[0].p_WE.y() += half % 2 == 0 ? jump : -jump;
     });
     // two planners at once
     obeys_within_limits([&](impedance::Plan& plan, const test::ClosedLoop& loop) {
       const int period = static_cast<int>(loop.time() / 0.005);
-      if (period % 2 == 0) plan.p_WE += Eigen::Vector3d(jump, jump, 0.0);
+      if (period % 2 == 0) plan.knots[0].p_WE += Eigen::Vector3d(jump, jump, 0.0);
     });
   }
 }
@@ -289,7 +289,7 @@ TEST_CASE("recovery: a plan with forces that no planner means") {
   for (const double force : {1e9, -500.0, -150.0, 30.0}) {
     CAPTURE(force);
     obeys_within_limits([&](impedance::Plan& plan, const test::ClosedLoop&) {
-      plan.force_E = Eigen::Vector3d(0.0, 0.0, force);
+      plan.knots[0].force_E = Eigen::Vector3d(0.0, 0.0, force);
     });
   }
 }
@@ -299,8 +299,9 @@ TEST_CASE("recovery: a plan that is a wave of 0.1 m, from slow to very fast") {
     CAPTURE(frequency);
     obeys_within_limits([&](impedance::Plan& plan, const test::ClosedLoop& loop) {
       const double phase = 2.0 * M_PI * frequency * loop.time();
-      plan.p_WE = Eigen::Vector3d(0.55, 0.1 * std::sin(phase), 0.12);
-      plan.v_WE = Eigen::Vector3d(0.0, 0.1 * 2.0 * M_PI * frequency * std::cos(phase), 0.0);
+      plan.knots[0].p_WE = Eigen::Vector3d(0.55, 0.1 * std::sin(phase), 0.12);
+      plan.knots[0].v_WE =
+          Eigen::Vector3d(0.0, 0.1 * 2.0 * M_PI * frequency * std::cos(phase), 0.0);
     });
   }
 }
@@ -309,15 +310,17 @@ TEST_CASE("recovery: a plan that asks for 5 m/s") {
   obeys_within_limits([](impedance::Plan& plan, const test::ClosedLoop& loop) {
     const int half = static_cast<int>(loop.time() / 0.1);
     // clear of ball and table, which no law can soften when they are hit at speed
-    plan.p_WE = Eigen::Vector3d(0.55, 0.0, 0.15);
-    plan.v_WE = Eigen::Vector3d(half % 2 == 0 ? 5.0 : -5.0, 0.0, half % 3 == 0 ? 5.0 : -5.0);
+    plan.knots[0].p_WE = Eigen::Vector3d(0.55, 0.0, 0.15);
+    plan.knots[0].v_WE =
+        Eigen::Vector3d(half % 2 == 0 ? 5.0 : -5.0, 0.0, half % 3 == 0 ? 5.0 : -5.0);
   });
 }
 
 TEST_CASE("recovery: a plan that turns the tool over") {
   obeys_within_limits([](impedance::Plan& plan, const test::ClosedLoop& loop) {
     const int half = static_cast<int>(loop.time() / 0.25);
-    plan.q_WE = plan.q_WE * Eigen::Quaterniond(Eigen::AngleAxisd(half % 2 == 0 ? 1.0 : -1.0,
-                                                                 Eigen::Vector3d::UnitX()));
+    plan.knots[0].q_WE =
+        Eigen::Quaterniond(plan.knots[0].q_WE) *
+        Eigen::Quaterniond(Eigen::AngleAxisd(half % 2 == 0 ? 1.0 : -1.0, Eigen::Vector3d::UnitX()));
   });
 }

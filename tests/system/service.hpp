@@ -149,9 +149,11 @@ class Service {
   const wire::Plan& plan() const { return plan_; }
   const wire::Scene& scene() const { return scene_; }
   Eigen::Vector3d p_WE() const { return Eigen::Map<const Eigen::Vector3d>(state_.p_WE_m); }
-  Eigen::Vector3d p_WB() const { return Eigen::Map<const Eigen::Vector3d>(scene_.p_WB_m[0]); }
+  Eigen::Vector3d p_WB() const {
+    return Eigen::Map<const Eigen::Vector3d>(scene_.objects[0].p_WB_m);
+  }
   double ball_speed() const {
-    return Eigen::Map<const Eigen::Vector3d>(scene_.v_WB_m_per_s[0]).norm();
+    return Eigen::Map<const Eigen::Vector3d>(scene_.objects[0].v_WB_m_per_s).norm();
   }
   const std::optional<wire::ServiceStatus>& status(wire::Process process) const {
     return statuses_newest_[index(process)];

@@ -115,7 +115,9 @@ namespace {
 
 void takes_up_the_ball(wire::ClockMode clock, int times) {
   test::Service service("circle_service", clock);
-  const auto rolls = [&] { return service.plan().phase == c3rt_v1_PHASE_ROLL && service.tracks(); };
+  const auto rolls = [&] {
+    return service.plan().phase == std::string("roll") && service.tracks();
+  };
   for (const wire::Process process : {c3rt_v1_PROCESS_PLANNER, c3rt_v1_PROCESS_VISION}) {
     for (int i = 0; i < times; ++i) {
       CAPTURE(process, i);
@@ -171,7 +173,7 @@ TEST_CASE("service: each cause of holding has its own words") {
 TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest, and it goes on") {
   test::Service service("circle_vision", kLockstep);
   const auto rolls = [&] {
-    return service.plan().phase == c3rt_v1_PHASE_ROLL && service.ball_speed() > 0.02;
+    return service.plan().phase == std::string("roll") && service.ball_speed() > 0.02;
   };
   REQUIRE(service.until(rolls, 30.0));
   service.run(2.0);

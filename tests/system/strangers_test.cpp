@@ -110,7 +110,7 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
   const Hand impedance("c3rt-impedance"), planner("c3rt-planner"), vision("c3rt-vision");
   Audience audience;
   wire::Bus bus(settings());
-  RawWriter estimates(bus, wire::topic<wire::BallEstimate>()),
+  RawWriter estimates(bus, wire::topic<wire::ObjectEstimate>()),
       plans(bus, wire::topic<wire::Plan>()), scenes(bus, wire::topic<wire::Scene>()),
       states(bus, wire::topic<wire::RobotState>());
   std::uint64_t seq = 0;
@@ -119,7 +119,7 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
     const std::int64_t now_ns = rt::now_ns();
     auto plan = plain<wire::Plan>();
     plan.valid_until_ns = now_ns + kSecond;
-    estimates.write(plain<wire::BallEstimate>(), ~0ull, seq, now_ns);
+    estimates.write(plain<wire::ObjectEstimate>(), ~0ull, seq, now_ns);
     plans.write(plan, 1'800'000'000'000'000'000, seq, now_ns);
     scenes.write(plain<wire::Scene>(), ~0ull, seq, now_ns);
   };
@@ -137,7 +137,7 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
   states.write(plain<wire::RobotState>(), ~0ull, 1, rt::now_ns());
   REQUIRE(audience.eventually(
       [&] {
-        return audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer") &&
+        return audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "second writer") &&
                audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "plan", "second writer") &&
                audience.refused(c3rt_v1_PROCESS_VISION, "sim/scene", "second writer") &&
                audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "second writer");
@@ -177,7 +177,7 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
     commands.write(command, seq % 2 == 0 ? 0 : audience.session(), seq, now_ns);
     auto plan = plain<wire::Plan>();
     plan.valid_until_ns = now_ns + kSecond;
-    plan.p_WE_desired_m[0] = 0.4;
+    plan.knots[0].p_WE_m[0] = 0.4;
     plans.write(plan, audience.session(), seq, now_ns);
     auto state = plain<wire::RobotState>();
     state.mode = c3rt_v1_ROBOT_REFLEX;
@@ -252,14 +252,14 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
   const Hand plant("c3rt-plant"), impedance("c3rt-impedance"), planner("c3rt-planner");
   Audience audience;
   wire::Bus bus(settings());
-  RawWriter estimates(bus, wire::topic<wire::BallEstimate>());
+  RawWriter estimates(bus, wire::topic<wire::ObjectEstimate>());
   std::uint64_t seq = 0;
   bool stopped = false;
-  const auto see = [&](const std::function<void(wire::BallEstimate&)>& spoil) {
+  const auto see = [&](const std::function<void(wire::ObjectEstimate&)>& spoil) {
     // as many as vision sends, though this is asked each millisecond
     stopped = stopped || own_reflex(audience.state());
     if (audience.session() == 0 || ++seq % 10 != 0) return;
-    auto estimate = plain<wire::BallEstimate>();
+    auto estimate = plain<wire::ObjectEstimate>();
     estimate.valid = true;
     estimate.exposure_ns = rt::now_ns();
     estimate.p_WB_m[0] = estimate.p_measured_m[0] = 0.55;
@@ -275,18 +275,18 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
   // in the place of vision: the arm goes to the ball that is told
   REQUIRE(audience.eventually(
       [&] { return says("approach") && audience.state().mode == c3rt_v1_ROBOT_MOVE; },
-      [&] { see([](wire::BallEstimate&) {}); }));
+      [&] { see([](wire::ObjectEstimate&) {}); }));
   const auto refused = [&] {
-    const auto samples = audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "value");
+    const auto samples = audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "value");
     return samples ? samples->count : 0;
   };
   std::uint64_t before = 0;
-  for (const auto& spoil : std::vector<std::function<void(wire::BallEstimate&)>>{
-           [](wire::BallEstimate& e) { e.v_WB_m_per_s[0] = 1e6; },
-           [](wire::BallEstimate& e) { e.v_WB_m_per_s[1] = 1e308; },
-           [](wire::BallEstimate& e) { e.p_WB_m[2] = 1e300; },
-           [](wire::BallEstimate& e) { e.omega_rad_per_s[0] = -1e9; },
-           [](wire::BallEstimate& e) { e.q_WB[0] = 0.0; }}) {
+  for (const auto& spoil : std::vector<std::function<void(wire::ObjectEstimate&)>>{
+           [](wire::ObjectEstimate& e) { e.v_WB_m_per_s[0] = 1e6; },
+           [](wire::ObjectEstimate& e) { e.v_WB_m_per_s[1] = 1e308; },
+           [](wire::ObjectEstimate& e) { e.p_WB_m[2] = 1e300; },
+           [](wire::ObjectEstimate& e) { e.omega_rad_per_s[0] = -1e9; },
+           [](wire::ObjectEstimate& e) { e.q_WB[0] = 0.0; }}) {
     CHECK(audience.eventually([&] { return refused() > before + 20; }, [&] { see(spoil); }));
     before = refused();
   }
@@ -300,10 +300,10 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
   CHECK(audience.eventually(
       [&] {
         const auto second =
-            audience.refused(c3rt_v1_PROCESS_PLANNER, "ball/estimate", "second writer");
+            audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "second writer");
         return second && second->count > 20;
       },
-      [&] { see([](wire::BallEstimate& e) { e.p_WB_m[0] = 0.4; }); }));
+      [&] { see([](wire::ObjectEstimate& e) { e.p_WB_m[0] = 0.4; }); }));
   CHECK(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
   CHECK_FALSE(stopped);
 }
@@ -325,15 +325,15 @@ std::string lockstep_hash(const std::string& name, bool with_stranger) {
     while (!over && !states.take_newest(state)) usleep(1000);
     RawWriter plans(bus, wire::topic<wire::Plan>()),
         commands(bus, wire::topic<wire::RobotCommand>()),
-        estimates(bus, wire::topic<wire::BallEstimate>());
+        estimates(bus, wire::topic<wire::ObjectEstimate>());
     for (std::uint64_t seq = 1; !over; ++seq) {
       (void)states.take_newest(state);
       auto plan = plain<wire::Plan>();
-      plan.p_WE_desired_m[0] = 0.3;
+      plan.knots[0].p_WE_m[0] = 0.3;
       plan.valid_until_ns = 3 * kSecond;
       auto command = plain<wire::RobotCommand>();
       command.tau_nm[0] = 50.0;
-      auto estimate = plain<wire::BallEstimate>();
+      auto estimate = plain<wire::ObjectEstimate>();
       estimate.valid = true;
       plans.write(plan, state.header.session_id, seq, state.header.time_ns);
       commands.write(command, state.header.session_id, seq, state.header.time_ns);

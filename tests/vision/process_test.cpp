@@ -71,18 +71,18 @@ wire::Scene scene_at(std::int64_t time_ns, bool exposure) {
   scene.exposure = exposure;
   const double q[] = {0.0, 0.275, 0.0, -2.222, 0.0, 2.497, 0.0};
   std::copy(std::begin(q), std::end(q), scene.q_rad);
-  scene.ball_count = 1;
+  scene.object_count = 1;
   const double angle = -0.8 * 1e-9 * static_cast<double>(time_ns);
   const double p[] = {0.55 + 0.1 * std::cos(angle), 0.1 * std::sin(angle), kTable + kRadius};
-  std::copy(std::begin(p), std::end(p), scene.p_WB_m[0]);
-  scene.q_WB[0][0] = 1.0;
+  std::copy(std::begin(p), std::end(p), scene.objects[0].p_WB_m);
+  scene.objects[0].q_WB[0] = 1.0;
   return scene;
 }
 
-double error(const wire::BallEstimate& estimate) {
+double error(const wire::ObjectEstimate& estimate) {
   const wire::Scene truth = scene_at(estimate.exposure_ns, true);
   double sum = 0.0;
-  for (int i = 0; i < 3; ++i) sum += std::pow(estimate.p_WB_m[i] - truth.p_WB_m[0][i], 2);
+  for (int i = 0; i < 3; ++i) sum += std::pow(estimate.p_WB_m[i] - truth.objects[0].p_WB_m[i], 2);
   return std::sqrt(sum);
 }
 
@@ -104,7 +104,8 @@ class Plant {
         master_(bus_, {c3rt_v1_PROCESS_VISION}, 30 * kSecond) {}
 
   /// @return the estimate of this step, if one was due
-  bool step(wire::BallEstimate& estimate, std::vector<wire::BallDetection>* detections = nullptr) {
+  bool step(wire::ObjectEstimate& estimate,
+            std::vector<wire::ObjectDetection>* detections = nullptr) {
     now_ns_ += kMs;
     const bool exposure = now_ns_ >= next_exposure_ns_;
     if (exposure) {
@@ -117,7 +118,7 @@ class Plant {
     }
     const std::uint64_t refused_before = refused_estimates();
     REQUIRE(master_.advance(now_ns_));
-    wire::BallDetection detection{};
+    wire::ObjectDetection detection{};
     while (detections_.take(detection)) {
       if (detections != nullptr) detections->push_back(detection);
     }
@@ -130,8 +131,8 @@ class Plant {
     return estimates_.counters().refused_for(wire::Reason::kValue);
   }
   /// Steps until an estimate satisfies the condition; false after two simulated seconds.
-  bool until(const std::function<bool(const wire::BallEstimate&)>& condition) {
-    wire::BallEstimate estimate{};
+  bool until(const std::function<bool(const wire::ObjectEstimate&)>& condition) {
+    wire::ObjectEstimate estimate{};
     for (int i = 0; i < 2000; ++i) {
       if (step(estimate) && condition(estimate)) return true;
     }
@@ -153,21 +154,21 @@ class Plant {
   wire::Bus bus_;
   wire::Writer<wire::Scene> scenes_;
   wire::Writer<wire::FaultInject> faults_;
-  wire::Reader<wire::BallEstimate> estimates_;
-  wire::Reader<wire::BallDetection> detections_;
+  wire::Reader<wire::ObjectEstimate> estimates_;
+  wire::Reader<wire::ObjectDetection> detections_;
   wire::LockstepMaster master_;
   std::int64_t now_ns_ = 0, next_exposure_ns_ = 0;
 };
 
 struct Trace {
-  std::vector<wire::BallEstimate> estimates;
-  std::vector<wire::BallDetection> detections;
+  std::vector<wire::ObjectEstimate> estimates;
+  std::vector<wire::ObjectDetection> detections;
 };
 
 Trace trace(const std::string& scenario, int steps, const std::vector<std::string>& more = {}) {
   Plant plant(scenario, more);
   Trace result;
-  wire::BallEstimate estimate{};
+  wire::ObjectEstimate estimate{};
   for (int i = 0; i < steps; ++i) {
     if (plant.step(estimate, &result.detections)) result.estimates.push_back(estimate);
   }
@@ -177,14 +178,14 @@ Trace trace(const std::string& scenario, int steps, const std::vector<std::strin
 bool same_bits(const Trace& a, const Trace& b) {
   if (a.estimates.size() != b.estimates.size()) return false;
   for (std::size_t i = 0; i < a.estimates.size(); ++i) {
-    const wire::BallEstimate &x = a.estimates[i], &y = b.estimates[i];
+    const wire::ObjectEstimate &x = a.estimates[i], &y = b.estimates[i];
     for (int k = 0; k < 3; ++k) {
       if (x.p_WB_m[k] != y.p_WB_m[k] || x.p_measured_m[k] != y.p_measured_m[k] ||
           x.v_WB_m_per_s[k] != y.v_WB_m_per_s[k]) {
         return false;
       }
     }
-    if (x.header.time_ns != y.header.time_ns || x.cameras_used != y.cameras_used) return false;
+    if (x.header.time_ns != y.header.time_ns || x.sensors_used != y.sensors_used) return false;
   }
   return true;
 }
@@ -198,7 +199,7 @@ TEST_CASE(
   REQUIRE(first.estimates.size() == 121);
   REQUIRE(first.detections.size() == 3 * first.estimates.size());
   std::vector<double> errors;
-  for (const wire::BallEstimate& estimate : first.estimates) {
+  for (const wire::ObjectEstimate& estimate : first.estimates) {
     REQUIRE(estimate.header.time_ns == estimate.exposure_ns + 8 * kMs);
     REQUIRE(estimate.valid);
     errors.push_back(error(estimate));
@@ -207,7 +208,7 @@ TEST_CASE(
   // clockwise at 0.08 m/s, so at the start along -y
   CHECK(first.estimates[10].v_WB_m_per_s[1] == Approx(-0.08).margin(0.02));
   CHECK(std::count_if(
-            first.detections.begin(), first.detections.end(), [](const wire::BallDetection& d) {
+            first.detections.begin(), first.detections.end(), [](const wire::ObjectDetection& d) {
               return d.found && d.used && d.radius_px > 5;
             }) > static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(first.detections.size())));
   CHECK(same_bits(first, trace(scenario, 1500)));
@@ -236,8 +237,8 @@ TEST_CASE(
       "lockstep");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
-  wire::Reader<wire::BallEstimate> estimates(bus, 64);
-  wire::Reader<wire::BallDetection> detections(bus, 64);
+  wire::Reader<wire::ObjectEstimate> estimates(bus, 64);
+  wire::Reader<wire::ObjectDetection> detections(bus, 64);
   wire::LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 30 * kSecond);
   std::array<std::vector<double>, 3> errors;
   std::array<int, 3> used{};
@@ -245,26 +246,26 @@ TEST_CASE(
     if (now_ns >= next_ns) {
       next_ns += kPeriod;
       wire::Scene scene = scene_at(now_ns, true);
-      scene.ball_count = 3;
+      scene.object_count = 3;
       for (int ball = 1; ball < 3; ++ball) {
-        std::copy_n(scene.p_WB_m[0], 3, scene.p_WB_m[ball]);
-        scene.p_WB_m[ball][1] += 2 * kRadius * ball;
-        scene.q_WB[ball][0] = 1.0;
+        std::copy_n(scene.objects[0].p_WB_m, 3, scene.objects[ball].p_WB_m);
+        scene.objects[ball].p_WB_m[1] += 2 * kRadius * ball;
+        scene.objects[ball].q_WB[0] = 1.0;
       }
       scenes.write(scene, now_ns);
     }
     REQUIRE(master.advance(now_ns));
-    wire::BallEstimate estimate{};
+    wire::ObjectEstimate estimate{};
     while (estimates.take(estimate)) {
-      REQUIRE(estimate.ball >= 0);
-      REQUIRE(estimate.ball < 3);
+      REQUIRE(estimate.object_index >= 0);
+      REQUIRE(estimate.object_index < 3);
       REQUIRE(estimate.valid);
-      estimate.p_WB_m[1] -= 2 * kRadius * estimate.ball;
-      errors.at(static_cast<std::size_t>(estimate.ball)).push_back(error(estimate));
+      estimate.p_WB_m[1] -= 2 * kRadius * estimate.object_index;
+      errors.at(static_cast<std::size_t>(estimate.object_index)).push_back(error(estimate));
     }
-    wire::BallDetection detection{};
+    wire::ObjectDetection detection{};
     while (detections.take(detection)) {
-      if (detection.used) ++used.at(static_cast<std::size_t>(detection.ball));
+      if (detection.used) ++used.at(static_cast<std::size_t>(detection.object_index));
     }
   }
   for (std::size_t ball = 0; ball < 3; ++ball) {
@@ -284,15 +285,15 @@ TEST_CASE("in lockstep the emulated sensor's noise is the seed's, bit for bit") 
   REQUIRE(one.estimates.size() == 25);
   CHECK(same_bits(one, with_seed("1")));
   CHECK_FALSE(same_bits(one, with_seed("2")));
-  for (const wire::BallEstimate& estimate : one.estimates) CHECK(error(estimate) < 0.008);
+  for (const wire::ObjectEstimate& estimate : one.estimates) CHECK(error(estimate) < 0.008);
 }
 
 TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and found again") {
   Plant plant(camera_scenario());
-  REQUIRE(plant.until([](const auto& e) { return e.valid && e.cameras_used == 3; }));
+  REQUIRE(plant.until([](const auto& e) { return e.valid && e.sensors_used == 3; }));
   plant.inject(c3rt_v1_FAULT_FREEZE_CAMERA, 0, 3600);
-  REQUIRE(plant.until([](const auto& e) { return e.cameras_used == 2; }));
-  wire::BallEstimate last_seen{};
+  REQUIRE(plant.until([](const auto& e) { return e.sensors_used == 2; }));
+  wire::ObjectEstimate last_seen{};
   REQUIRE(plant.until([&](const auto& e) {
     last_seen = e;
     return e.valid && error(e) < 2e-3;
@@ -300,13 +301,13 @@ TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and f
 
   plant.inject(c3rt_v1_FAULT_LOSE_BALL, 0, 3600);
   REQUIRE(plant.until([&](const auto& e) {
-    if (e.cameras_used > 0) last_seen = e;
+    if (e.sensors_used > 0) last_seen = e;
     return !e.valid;
   }));
   REQUIRE(plant.until([&](const auto& e) { return e.p_WB_m[0] == last_seen.p_WB_m[0]; }));
   plant.inject(c3rt_v1_FAULT_NONE, 0, 0);
   REQUIRE(
-      plant.until([](const auto& e) { return e.valid && e.cameras_used == 3 && error(e) < 2e-3; }));
+      plant.until([](const auto& e) { return e.valid && e.sensors_used == 3 && error(e) < 2e-3; }));
 
   plant.inject(c3rt_v1_FAULT_NAN, 0, 3600);
   CHECK_FALSE(plant.until([](const auto&) { return true; }));
@@ -317,7 +318,7 @@ TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the p
   Child child(camera_scenario(), "realtime");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
-  wire::Reader<wire::BallEstimate> estimates(bus);
+  wire::Reader<wire::ObjectEstimate> estimates(bus);
   rt::PeriodicClock clock(kPeriod);
   const std::int64_t start_ns = rt::now_ns();
   int exposures = 0, followed = 0;
@@ -325,7 +326,7 @@ TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the p
     const std::int64_t now_ns = clock.wait().woke_ns;
     wire::Scene scene = scene_at(now_ns, true);
     scenes.write(scene, now_ns);
-    wire::BallEstimate estimate{};
+    wire::ObjectEstimate estimate{};
     while (estimates.take(estimate)) {
       ++followed;
       CHECK(estimate.header.time_ns > estimate.exposure_ns);

@@ -84,7 +84,7 @@ TEST_CASE("two seeds at once: a report each, one table, and the same bits as alo
   const json table = read(folder.path() / "campaign.json");
   CHECK(table.at("complete") == true);
   CHECK(table.at("runs").size() == 2);
-  CHECK(table.at("figures").at("ball.0.rms_error_m").at("count") == 2);
+  CHECK(table.at("figures").at("objects.0.rms_error_m").at("count") == 2);
   CHECK(fs::exists(folder.path() / "campaign.md"));
   // neither logs nor pictures unless wanted
   CHECK_FALSE(fs::exists(folder.path() / "seed-0001" / "log"));

@@ -49,7 +49,7 @@ TEST_CASE("the figures of a report are all of its numbers, by path") {
     "scenario": "circle_slow", "seed": 7, "result": "passed",
     "criteria": [{"name": "loops_completed", "value": 3, "limit": 3, "met": true}],
     "loops_completed": 3, "loop_times_s": [19.0, 21.0, 20.0], "none_s": [],
-    "ball": [{"rms_error_m": 0.004, "max_error_m": null}, {"rms_error_m": 0.005}],
+    "objects": [{"rms_error_m": 0.004, "max_error_m": null}, {"rms_error_m": 0.005}],
     "planner": {"solve_time_s": {"p50": 0.0002, "max": 0.001}},
     "plant": {"reflexes": ["cartesian_reflex"], "real_time_factor": 2.5},
     "log_hash": "fnv1a64:0"})");
@@ -58,8 +58,8 @@ TEST_CASE("the figures of a report are all of its numbers, by path") {
   const std::map<std::string, double> expected{{"loops_completed", 3.0},
                                                {"loop_times_s.median", 20.0},
                                                {"loop_times_s.worst", 21.0},
-                                               {"ball.0.rms_error_m", 0.004},
-                                               {"ball.1.rms_error_m", 0.005},
+                                               {"objects.0.rms_error_m", 0.004},
+                                               {"objects.1.rms_error_m", 0.005},
                                                {"planner.solve_time_s.p50", 0.0002},
                                                {"planner.solve_time_s.max", 0.001},
                                                {"plant.reflexes", 1.0},
@@ -68,10 +68,11 @@ TEST_CASE("the figures of a report are all of its numbers, by path") {
 }
 
 TEST_CASE("of which figures more is better") {
-  for (const char* name : {"ball.0.in_band_2cm", "loops_completed", "planner.rate_hz",
+  for (const char* name : {"objects.0.in_band_2cm", "loops_completed", "planner.rate_hz",
                            "plant.success_rate_min", "plant.real_time_factor"})
     CHECK(higher_is_better(name));
-  for (const char* name : {"ball.0.max_error_m", "loop_times_s.worst", "planner.solve_time_s.p99",
-                           "vision.dropped_frames", "plant.reflexes", "duration_s"})
+  for (const char* name :
+       {"objects.0.max_error_m", "loop_times_s.worst", "planner.solve_time_s.p99",
+        "vision.dropped_frames", "plant.reflexes", "duration_s"})
     CHECK_FALSE(higher_is_better(name));
 }

@@ -21,7 +21,7 @@ RunResult result(std::uint64_t seed, double band, double error) {
       {"criteria",
        {{{"name", "in_band_2cm"}, {"value", band}, {"limit", 0.98}, {"met", band_met}},
         {{"name", "path_error_max_m"}, {"value", error}, {"limit", 0.02}, {"met", error_met}}}},
-      {"ball", {{{"max_error_m", error}}}}};
+      {"objects", {{{"max_error_m", error}}}}};
   return run;
 }
 
@@ -48,7 +48,7 @@ TEST_CASE("the summary counts a failed process as no success, and keeps it out o
   CHECK(summary.criteria[0].worst_seed == 2);
   CHECK(summary.criteria[1].values->worst == 0.03);
   REQUIRE(summary.figures.size() == 1);
-  CHECK(summary.figures[0].name == "ball.0.max_error_m");
+  CHECK(summary.figures[0].name == "objects.0.max_error_m");
   CHECK(summary.figures[0].values.count == 2);
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("criteria come first in the table, and the verdict has the interval") 
   REQUIRE(table.size() == 4);
   CHECK(table[1].front() == "criterion in_band_2cm (limit 0.98)");
   CHECK(table[1][1] == "2 of 2");
-  CHECK(table[3].front() == "ball.0.max_error_m");
+  CHECK(table[3].front() == "objects.0.max_error_m");
   CHECK(table[3][4] == "0.015");  // the median
   CHECK(verdict(summary) == "2 of 2 passed (100 %, 95 % confidence: 34 to 100 %)");
 }
@@ -80,7 +80,7 @@ TEST_CASE("the JSON tells every run, and how to see the worst one again") {
   CHECK(json.at("worst").at("command") == "c3rt run circle_slow --clock lockstep --seed 8");
   CHECK(json.at("runs").at(0).at("criteria_missed") == ordered_json({"in_band_2cm"}));
   CHECK_THAT(json.at("runs").at(1).at("result").get<std::string>(), Contains("signal 11"));
-  CHECK(json.at("figures").at("ball.0.max_error_m").at("worst_seed") == 7);
+  CHECK(json.at("figures").at("objects.0.max_error_m").at("worst_seed") == 7);
 }
 
 TEST_CASE("the command of a run again quotes what a shell would take apart") {

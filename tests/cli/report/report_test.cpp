@@ -30,14 +30,14 @@ TEST_CASE("the report has exactly the keys that other programs read") {
   report.figures.criteria = {{"in_band_2cm", 0.97, 0.95, true}};
   const ordered_json json = to_json(report);
   REQUIRE(keys(json) == Names{"scenario", "seed", "clock", "duration_s", "result", "criteria",
-                              "loops_completed", "loop_times_s", "ball", "judged", "path",
+                              "loops_completed", "loop_times_s", "objects", "judged", "path",
                               "out_of_band", "end_effector", "planner", "impedance", "vision",
                               "latency", "plant", "log_hash"});
   const Names quantiles{"p50", "p95", "p99", "max"};
   REQUIRE(keys(json["criteria"][0]) == Names{"name", "value", "limit", "met"});
-  REQUIRE(keys(json["ball"][0]) == Names{"rms_error_m", "p95_error_m", "max_error_m", "in_band_2cm",
-                                         "in_band_1cm", "arrived_after_s", "arrival_error_m",
-                                         "end_error_m"});
+  REQUIRE(keys(json["objects"][0]) == Names{"rms_error_m", "p95_error_m", "max_error_m",
+                                            "in_band_2cm", "in_band_1cm", "arrived_after_s",
+                                            "arrival_error_m", "end_error_m"});
   REQUIRE(keys(json["end_effector"]) == Names{"tracking_error_m", "approach_error_m"});
   REQUIRE(keys(json["end_effector"]["tracking_error_m"]) == quantiles);
   REQUIRE(keys(json["planner"]) == Names{"rate_hz", "solve_time_s", "overruns", "fallbacks"});

@@ -15,9 +15,10 @@ using namespace c3rt::cli::reproduce;
 
 TEST_CASE("figures are found in a report by their path, and what is not there is no number") {
   const ordered_json report = ordered_json::parse(
-      R"({"ball": [{"rms_error_m": 0.5}], "vision": {"rate_hz": null}, "loop_times_s": [19.04, 20.0]})");
-  CHECK(figure(report, "ball.0.rms_error_m") == 0.5);
-  for (const char* path : {"ball.1.rms_error_m", "ball.0.max", "vision.rate_hz", "nothing", "ball"})
+      R"({"objects": [{"rms_error_m": 0.5}], "vision": {"rate_hz": null}, "loop_times_s": [19.04, 20.0]})");
+  CHECK(figure(report, "objects.0.rms_error_m") == 0.5);
+  for (const char* path :
+       {"objects.1.rms_error_m", "objects.0.max", "vision.rate_hz", "nothing", "objects"})
     CHECK(std::isnan(figure(report, path)));
   CHECK(loop_times(report) == "19.0, 20.0");
   CHECK(loop_times({{"loop_times_s", ordered_json::array()}}) == "-");
@@ -44,7 +45,7 @@ TEST_CASE("fig11: both circles run, and the tracks of their logs agree with thei
   double largest = 0.0;  // distance to the circle of 0.1 m about (0.55, 0)
   for (const Eigen::Vector2d& p : track.position)
     largest = std::max(largest, std::abs((p - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1));
-  CHECK(largest == Approx(figure(run.report, "ball.0.max_error_m")).margin(2e-6));
+  CHECK(largest == Approx(figure(run.report, "objects.0.max_error_m")).margin(2e-6));
 
   const EndEffectorTrack arm = end_effector_track(run);
   REQUIRE(arm.time.size() > 1000);

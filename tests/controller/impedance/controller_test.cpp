@@ -74,11 +74,12 @@ void give_plan(Input& input, const Vector3d& p_WE, std::int64_t stamp_ns) {
   input.plan.stamp_ns = stamp_ns;
   input.plan.valid_until_ns = stamp_ns + 100 * kMs;
   input.plan.status = PlanStatus::kOk;
-  input.plan.p_WE = p_WE;
-  input.plan.v_WE.setZero();
-  input.plan.q_WE = kDown;
-  input.plan.force_E.setZero();
-  input.plan.delta_t_c = 0.0133;
+  input.plan.knots[0].p_WE = p_WE;
+  input.plan.knots[0].v_WE.setZero();
+  input.plan.knots[0].q_WE = kDown;
+  input.plan.knots[0].force_E.setZero();
+  input.plan.knot_count = 1;
+  input.plan.knots[0].time_ns = stamp_ns + 13'300'000;
 }
 
 Input with_plan(std::int64_t now_ns, const Vector3d& p_WE = kStart) {
@@ -162,7 +163,7 @@ TEST_CASE("controller: it reaches a plan's position and orientation") {
   Output output{};
   for (int k = 1; k <= 1500; ++k) {
     Input input = with_plan(k * kMs, goal);
-    input.plan.q_WE = tilted;
+    input.plan.knots[0].q_WE = tilted;
     output = loop.step(input);
     REQUIRE(output.mode == Mode::kTrack);
   }
@@ -185,8 +186,8 @@ TEST_CASE("controller: it follows a point that moves at 0.1 m/s to within half a
       Input input = at(k * kMs);
       if (k % 13 == 1) stamp = input.now_ns;  // a plan every 13 ms, for the point 13 ms ahead
       give_plan(input, kStart + velocity * (static_cast<double>(stamp) * 1e-9 + 0.013), stamp);
-      input.plan.v_WE = velocity;
-      input.plan.delta_t_c = 0.013;
+      input.plan.knots[0].v_WE = velocity;
+      input.plan.knots[0].time_ns = stamp + 13 * kMs;
       loop.step(input);
       // the plan in `hold` is ahead by up to one period, on average by half
       const double ahead = reference == Reference::kHold ? 0.0065 : 0.0;
@@ -198,7 +199,7 @@ TEST_CASE("controller: it follows a point that moves at 0.1 m/s to within half a
 }
 
 TEST_CASE(
-    "controller: interpolation moves with v_d to x_d at the plan's time + delta_t_c and rests "
+    "controller: interpolation moves with v_d to x_d at its knot's time and rests "
     "there") {
   Parameters p = parameters();
   p.reference = Reference::kInterpolate;
@@ -209,12 +210,40 @@ TEST_CASE(
   for (int k = 0; k <= 30; ++k) {
     Input input = at(plan_ns + k * kMs);
     give_plan(input, kStart + Vector3d(0, 2e-3, 0), plan_ns);
-    input.plan.v_WE << 0, 0.1, 0;
-    input.plan.delta_t_c = 0.020;  // so the way starts where the arm is
+    input.plan.knots[0].v_WE << 0, 0.1, 0;
+    input.plan.knots[0].time_ns = plan_ns + 20 * kMs;  // so the way starts where the arm is
     const Output output = controller.step(input);
     const bool arrived = k >= 20;
     CHECK(output.p_WE_desired.y() == Approx(arrived ? 2e-3 : 1e-4 * k).margin(1e-6));
     CHECK(output.v_WE_desired.y() == (arrived ? 0.0 : 0.1));
+  }
+}
+
+TEST_CASE("controller: a plan of several knots is followed through all of them by one plan") {
+  Parameters p = parameters();
+  p.limits.plan_acceleration = 1e4;  // v_d as it comes
+  Controller controller = make(p);
+  controller.step(with_plan(kMs));
+  // a slow planner: half a second of a straight line at constant speed, in five knots
+  const std::int64_t plan_ns = 2 * kMs;
+  const Vector3d velocity(0, 0.02, 0);
+  for (int k = 0; k <= 120; ++k) {
+    Input input = at(plan_ns + k * kMs);
+    give_plan(input, kStart, plan_ns);
+    input.plan.valid_until_ns = plan_ns + 500 * kMs;
+    input.plan.knot_count = 5;
+    for (int i = 0; i < 5; ++i) {
+      Knot& knot = input.plan.knots[static_cast<std::size_t>(i)];
+      knot = input.plan.knots[0];
+      knot.time_ns = plan_ns + 25 * i * kMs;
+      knot.v_WE = velocity;
+      knot.p_WE = kStart + velocity * 0.025 * i;
+    }
+    const Output output = controller.step(input);
+    REQUIRE(output.mode == Mode::kTrack);
+    const bool over = k >= 100;  // then it holds the last position
+    CHECK(output.p_WE_desired.y() == Approx(kStart.y() + (over ? 0.002 : 2e-5 * k)).margin(1e-6));
+    CHECK(output.v_WE_desired.y() == Approx(over ? 0.0 : 0.02).margin(1e-9));
   }
 }
 
@@ -255,7 +284,7 @@ TEST_CASE("controller: neither position nor torque jump when a far plan or a lar
   Output before = controller.step(at(kMs));
   for (int k = 2; k < 300; ++k) {
     Input input = with_plan(k * kMs, kStart + Vector3d(0, -0.2, 0.1));
-    if (k > 150) input.plan.force_E << 0, 0, 40;  // up to 20 N m at once
+    if (k > 150) input.plan.knots[0].force_E << 0, 0, 40;  // up to 20 N m at once
     const Output output = controller.step(input);
     CHECK((output.p_WE_desired - before.p_WE_desired).norm() <= 0.5e-3 + 1e-12);
     CHECK((output.tau - before.tau).cwiseAbs().maxCoeff() <= 1.0 + 1e-12);
@@ -273,7 +302,7 @@ TEST_CASE("controller: the orientation to track turns at most at its limit") {
   const Quaterniond tilted = Quaterniond(Eigen::AngleAxisd(0.3, Vector3d::UnitX())) * kDown;
   for (int k = 2; k < 700; ++k) {
     Input input = with_plan(k * kMs);
-    input.plan.q_WE = tilted;
+    input.plan.knots[0].q_WE = tilted;
     const Quaterniond now = controller.step(input).q_WE_desired;
     REQUIRE(now.angularDistance(before) <= 0.5e-3 + 1e-7);
     before = now;
@@ -315,13 +344,16 @@ TEST_CASE(
     return output.mode == Mode::kHold && output.tau.allFinite() &&
            output.counters.plans_invalid == 1;
   };
-  CHECK(refused([](Plan& plan) { plan.p_WE.y() = kNan; }));
-  CHECK(refused([](Plan& plan) { plan.v_WE.z() = kNan; }));
-  CHECK(refused([](Plan& plan) { plan.q_WE.x() = kNan; }));
-  CHECK(refused([](Plan& plan) { plan.force_E.x() = kNan; }));
-  CHECK(refused([](Plan& plan) { plan.delta_t_c = kNan; }));
-  CHECK(refused([](Plan& plan) { plan.p_WE.x() = std::numeric_limits<double>::infinity(); }));
-  CHECK(refused([](Plan& plan) { plan.q_WE.coeffs().setZero(); }));
+  CHECK(refused([](Plan& plan) { plan.knots[0].p_WE.y() = kNan; }));
+  CHECK(refused([](Plan& plan) { plan.knots[0].v_WE.z() = kNan; }));
+  CHECK(refused([](Plan& plan) { plan.knots[0].q_WE.x() = kNan; }));
+  CHECK(refused([](Plan& plan) { plan.knots[0].force_E.x() = kNan; }));
+  CHECK(refused([](Plan& plan) { plan.knot_count = 0; }));
+  CHECK(refused([](Plan& plan) { plan.knot_count = kMaxKnots + 1; }));
+  CHECK(refused([](Plan& plan) { plan.knot_count = 2; }));  // at the same time
+  CHECK(refused(
+      [](Plan& plan) { plan.knots[0].p_WE.x() = std::numeric_limits<double>::infinity(); }));
+  CHECK(refused([](Plan& plan) { plan.knots[0].q_WE.coeffs().setZero(); }));
   CHECK(refused([](Plan& plan) { plan.status = PlanStatus::kUnknown; }));
   CHECK_FALSE(refused([](Plan&) {}));
 }
@@ -331,7 +363,7 @@ TEST_CASE("controller: a truncated plan is a plan; a fallback is tracked without
     Controller controller = make(parameters());
     Input input = with_plan(kMs);
     input.plan.status = status;
-    input.plan.force_E << 0.2, 0, 0;
+    input.plan.knots[0].force_E << 0.2, 0, 0;
     const Output output = controller.step(input);
     CHECK(output.mode == Mode::kTrack);
     return output.tau;
@@ -350,7 +382,7 @@ TEST_CASE(
     p.limits.tau_rate_max = 1e6;  // the first cycle's torque, not the first step towards it
     Controller controller = make(p);
     Input input = with_plan(kMs);
-    input.plan.force_E = force;
+    input.plan.knots[0].force_E = force;
     const Output output = controller.step(input);
     return std::make_pair(output.tau, controller.arm());
   };
@@ -369,7 +401,7 @@ TEST_CASE("controller: a plan outside the workspace is tracked at the box's wall
   Output output{};
   for (int k = 1; k <= 500; ++k) {
     Input input = with_plan(k * kMs, Vector3d(0.6, 0.05, -0.2));
-    input.plan.v_WE << 0.01, 0, -0.1;
+    input.plan.knots[0].v_WE << 0.01, 0, -0.1;
     output = controller.step(input);
   }
   CHECK((output.p_WE_desired - Vector3d(0.6, 0.05, 0.0)).norm() < 1e-12);
@@ -433,7 +465,7 @@ TEST_CASE("controller: a stop brakes the moving arm, with or without a plan") {
   Loop loop(parameters());
   for (int k = 1; k <= 200; ++k) {
     Input input = with_plan(k * kMs, kStart + Vector3d(0, 0.3 * k * 1e-3, 0));
-    input.plan.v_WE << 0, 0.3, 0;
+    input.plan.knots[0].v_WE << 0, 0.3, 0;
     loop.step(input);
   }
   const double energy = loop.dq.dot(loop.state.M * loop.dq);
@@ -509,12 +541,12 @@ TEST_CASE("controller: whatever numbers arrive, the torque is finite and within 
       for (int field = 0; field < 5; ++field) {
         Input input = with_plan(now += kMs);
         input.recover = true;
-        input.plan.p_WE.x() = a;
+        input.plan.knots[0].p_WE.x() = a;
         if (field == 0) input.q[2] = b;
         if (field == 1) input.dq[2] = b;
-        if (field == 2) input.plan.v_WE.z() = b;
-        if (field == 3) input.plan.force_E.y() = b;
-        if (field == 4) input.plan.delta_t_c = b;
+        if (field == 2) input.plan.knots[0].v_WE.z() = b;
+        if (field == 3) input.plan.knots[0].force_E.y() = b;
+        if (field == 4) input.plan.knots[0].q_WE.x() = b;
         const Output output = controller.step(input);
         REQUIRE(output.tau.allFinite());
         REQUIRE((output.tau.array().abs() <= p.limits.tau_max.array()).all());
@@ -537,7 +569,7 @@ TEST_CASE(
     for (int k = 1; k <= 1500; ++k) {
       const int half = k / 150;
       Input input = with_plan(k * kMs, kStart + Vector3d(0, half % 2 == 0 ? jump : -jump, 0));
-      input.plan.v_WE << 0, half % 2 == 0 ? 5.0 : -5.0, 0;
+      input.plan.knots[0].v_WE << 0, half % 2 == 0 ? 5.0 : -5.0, 0;
       const Vector3d here = loop.state.X_WE.translation();
       const Output output = loop.step(input);
       if (k == 1) v_before = output.v_WE_desired;  // before it the loop has no state
@@ -562,8 +594,8 @@ TEST_CASE("controller: ordinary plans are tracked as they are") {
       const Vector3d v(0, 0.15 * std::min(1.0, k / 50.0), 0);
       give_plan(input, (k > 1 ? Vector3d(loop.state.X_WE.translation()) : kStart) + 0.005 * v,
                 k * kMs);
-      input.plan.v_WE = v;
-      input.plan.force_E << 0, 0.3, -0.5;
+      input.plan.knots[0].v_WE = v;
+      input.plan.knots[0].force_E << 0, 0.3, -0.5;
     }
     input.now_ns = input.state_stamp_ns = k * kMs;
     output = loop.step(input);
@@ -630,13 +662,14 @@ TEST_CASE("controller: a plan that no planner can mean is refused, one that asks
     spoil(input.plan);
     return controller.step(input).plan;
   };
-  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, 1e9; }) == PlanVerdict::kInvalid);
-  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, -500; }) == PlanVerdict::kInvalid);
-  CHECK(verdict([](Plan& plan) { plan.v_WE << 1e6, 0, 0; }) == PlanVerdict::kInvalid);
-  CHECK(verdict([](Plan& plan) { plan.p_WE << 1e300, 0, 0; }) == PlanVerdict::kInvalid);
-  CHECK(verdict([](Plan& plan) { plan.delta_t_c = 100.0; }) == PlanVerdict::kInvalid);
-  CHECK(verdict([](Plan& plan) { plan.force_E << 0, 0, -100; }) == PlanVerdict::kGood);
-  CHECK(verdict([](Plan& plan) { plan.v_WE << 5, 0, 0; }) == PlanVerdict::kGood);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].force_E << 0, 0, 1e9; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].force_E << 0, 0, -500; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].v_WE << 1e6, 0, 0; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].p_WE << 1e300, 0, 0; }) == PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].time_ns += 100'000 * kMs; }) ==
+        PlanVerdict::kInvalid);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].force_E << 0, 0, -100; }) == PlanVerdict::kGood);
+  CHECK(verdict([](Plan& plan) { plan.knots[0].v_WE << 5, 0, 0; }) == PlanVerdict::kGood);
 }
 
 TEST_CASE("controller: the same inputs give the same bits") {

@@ -101,11 +101,12 @@ class Run {
     plan.valid_until_ns = now_ns_ + 100 * kMs;
     const Eigen::Vector3d p =
         center_ + kRadius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-    Eigen::Map<Eigen::Vector3d>{plan.p_WE_desired_m} = p;
-    Eigen::Map<Eigen::Vector3d>{plan.v_WE_desired_m_per_s} =
+    plan.knot_count = 1;
+    Eigen::Map<Eigen::Vector3d>{plan.knots[0].p_WE_m} = p;
+    Eigen::Map<Eigen::Vector3d>{plan.knots[0].v_WE_m_per_s} =
         kRate * kRadius * Eigen::Vector3d(-std::sin(angle), std::cos(angle), 0);
-    plan.q_WE_desired[1] = 1;  // pointing down
-    plan.delta_t_c_s = static_cast<double>(kPlanPeriod) * 1e-9;
+    plan.knots[0].q_WE[1] = 1;  // pointing down
+    plan.knots[0].time_ns = now_ns_ + kPlanPeriod;
     plans_.write(plan, now_ns_);
   }
 

@@ -43,10 +43,11 @@ wire::Plan plan(std::int64_t now_ns) {
   wire::Plan plan{};
   plan.origin = {now_ns - 5, now_ns - 4, now_ns - 3, 0};
   plan.valid_until_ns = now_ns + 100 * kMs;
-  plan.p_WE_desired_m[0] = 0.55;
-  plan.p_WE_desired_m[2] = 0.123;
-  plan.q_WE_desired[1] = 1;
-  plan.delta_t_c_s = 0.013;
+  plan.knot_count = 1;
+  plan.knots[0].p_WE_m[0] = 0.55;
+  plan.knots[0].p_WE_m[2] = 0.123;
+  plan.knots[0].q_WE[1] = 1;
+  plan.knots[0].time_ns = now_ns + 13 * kMs;
   return plan;
 }
 

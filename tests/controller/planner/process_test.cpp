@@ -36,6 +36,7 @@ class World {
         faults(bus),
         replies(bus),
         plans(bus),
+        debugs(bus),
         master(bus, {c3rt_v1_PROCESS_PLANNER}, 30 * kSecond) {}
 
   /// One millisecond; @return whether a plan came
@@ -46,7 +47,7 @@ class World {
     std::copy(std::begin(q), std::end(q), state.q_rad);
     states.write(state, now_ns);
     if (now_ns % (12 * kMs) == 0) {
-      wire::BallEstimate estimate{};
+      wire::ObjectEstimate estimate{};
       estimate.exposure_ns = now_ns;
       estimate.valid = ball_in_view;
       const double p[] = {0.55, 0.1, 0.007};
@@ -55,6 +56,7 @@ class World {
       estimates.write(estimate, now_ns);
     }
     REQUIRE(master.advance(now_ns));
+    debugs.take_newest(debug);
     return plans.take_newest(plan);
   }
 
@@ -75,11 +77,13 @@ class World {
   test::ChildProcess child;
   wire::Bus bus;
   wire::Writer<wire::RobotState> states;
-  wire::Writer<wire::BallEstimate> estimates;
+  wire::Writer<wire::ObjectEstimate> estimates;
   wire::Writer<wire::TaskTarget> targets;
   wire::Writer<wire::FaultInject> faults;
   wire::Reader<wire::ServiceReply> replies;
   wire::Reader<wire::Plan> plans;
+  wire::Reader<wire::PlannerDebug> debugs;
+  wire::PlannerDebug debug{};  // of the newest plan
   wire::LockstepMaster master;
   std::int64_t now_ns = 0;
 };
@@ -105,7 +109,7 @@ TEST_CASE("c3rt-planner: plans come at the fixed rate, and carry what they were 
     previous_ns = plan.origin.state_ns;
     if (world.now_ns > 100 * kMs) {
       CHECK(plan.origin.exposure_ns > 0);
-      CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+      CHECK(plan.phase == std::string("approach"));
     }
   }
   CHECK((count >= 74 && count <= 76));
@@ -118,11 +122,11 @@ TEST_CASE(
   World world;
   wire::Plan plan{};
   for (int i = 0; i < 300; ++i) world.step(plan);
-  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+  CHECK(plan.phase == std::string("approach"));
   for (int i = 0; i < 300; ++i) world.step(plan, false);
-  CHECK(plan.phase == c3rt_v1_PHASE_HOLD);
+  CHECK(plan.phase == std::string("hold"));
   for (int i = 0; i < 100; ++i) world.step(plan);
-  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
+  CHECK(plan.phase == std::string("approach"));
 }
 
 TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the scenario's own") {
@@ -144,17 +148,17 @@ TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the 
     }
   };
   for (int i = 0; i < 100; ++i) world.step(plan);
-  const double x_scenario = plan.ball_target_m[0];
+  const double x_scenario = world.debug.p_WB_target_m[0];
   send(c3rt_v1_TARGET_HOLD, 0.1);
-  CHECK(plan.phase == c3rt_v1_PHASE_HOLD);
+  CHECK(plan.phase == std::string("hold"));
   send(c3rt_v1_TARGET_CIRCLE, 0.1);
-  CHECK(plan.phase == c3rt_v1_PHASE_APPROACH);
-  const double x_circle = plan.ball_target_m[0];
+  CHECK(plan.phase == std::string("approach"));
+  const double x_circle = world.debug.p_WB_target_m[0];
   CHECK(std::abs(x_circle - x_scenario) > 0.005);
   send(c3rt_v1_TARGET_CIRCLE, std::nan(""));
-  CHECK(plan.ball_target_m[0] == x_circle);
+  CHECK(world.debug.p_WB_target_m[0] == x_circle);
   send(c3rt_v1_TARGET_SCENARIO, 0.0);
-  CHECK(plan.ball_target_m[0] == x_scenario);
+  CHECK(world.debug.p_WB_target_m[0] == x_scenario);
 }
 
 TEST_CASE("c3rt-planner: every target is answered, a refused one with what can be reached") {
