@@ -35,6 +35,7 @@ TEST_CASE("Recorder: samples that cannot be are refused, not followed, and told"
   auto plan = plain<wire::Plan>();
   plan.knot_count = 1000000;
   plan.valid_until_ns = rt::now_ns() + 1'000'000'000;
+  plan.knots[0].time_ns = rt::now_ns();
   auto scene = plain<wire::Scene>();
   scene.object_count = -1;
   const auto refused = [&](const char* topic) {

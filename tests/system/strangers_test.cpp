@@ -119,6 +119,7 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
     const std::int64_t now_ns = rt::now_ns();
     auto plan = plain<wire::Plan>();
     plan.valid_until_ns = now_ns + kSecond;
+    plan.knots[0].time_ns = now_ns;
     estimates.write(plain<wire::ObjectEstimate>(), ~0ull, seq, now_ns);
     plans.write(plan, 1'800'000'000'000'000'000, seq, now_ns);
     scenes.write(plain<wire::Scene>(), ~0ull, seq, now_ns);
@@ -177,6 +178,7 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
     commands.write(command, seq % 2 == 0 ? 0 : audience.session(), seq, now_ns);
     auto plan = plain<wire::Plan>();
     plan.valid_until_ns = now_ns + kSecond;
+    plan.knots[0].time_ns = now_ns;
     plan.knots[0].p_WE_m[0] = 0.4;
     plans.write(plan, audience.session(), seq, now_ns);
     auto state = plain<wire::RobotState>();
@@ -331,6 +333,7 @@ std::string lockstep_hash(const std::string& name, bool with_stranger) {
       auto plan = plain<wire::Plan>();
       plan.knots[0].p_WE_m[0] = 0.3;
       plan.valid_until_ns = 3 * kSecond;
+      plan.knots[0].time_ns = state.header.time_ns;
       auto command = plain<wire::RobotCommand>();
       command.tau_nm[0] = 50.0;
       auto estimate = plain<wire::ObjectEstimate>();
