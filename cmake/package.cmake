@@ -76,9 +76,11 @@ function(c3rt_export_headers room)
 endfunction()
 
 c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
-c3rt_export(c3 HEADERS deadline.hpp node_qp.hpp parallel.hpp problem.hpp projection.hpp qp.hpp solver.hpp
+c3rt_export(qp HEADERS node_qp.hpp problem.hpp qp.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
-c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 lcs)
+c3rt_export(c3 HEADERS consensus.hpp deadline.hpp parallel.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
+  DEPS qp lcs)
+c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 qp lcs)
 c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_model.hpp contact_system.hpp
   finger_gaiting.hpp linearise.hpp pivoting.hpp planning_model.hpp registry.hpp DEPS lcs)
 c3rt_export_headers(scene HEADERS scene.hpp)
@@ -93,5 +95,5 @@ install(FILES ${PROJECT_BINARY_DIR}/c3rtConfig.cmake ${PROJECT_BINARY_DIR}/c3rtC
   DESTINATION ${package_directory} COMPONENT library)
 # builds what the component holds, from objects that the programs have anyway
 add_custom_target(library
-  DEPENDS c3rt_package_lcs c3rt_package_c3 c3rt_package_horizon c3rt_package_model c3rt_package_example)
+  DEPENDS c3rt_package_lcs c3rt_package_qp c3rt_package_c3 c3rt_package_horizon c3rt_package_model c3rt_package_example)
 add_dependencies(programs library)

@@ -123,11 +123,11 @@ void read_costs(JsonReader& params, ProblemFile& p) {
   p.costs.R = params.matrices("R", n_u, n_u, N);
   const bool c3 = p.method == Method::kC3;
   const c3::ProjectionKind kind = p.settings.projection;
+  const c3::ProjectionType& type = c3::projection_type(kind);
   const bool plus = kind == c3::ProjectionKind::kPlus;
   // a parameter set may hold what another projection needs
-  if (params.has("G") || (c3 && !plus)) p.costs.G = params.matrices("G", n_z, n_z, N);
-  const bool needs_U = kind == c3::ProjectionKind::kMiqp || kind == c3::ProjectionKind::kAdmm;
-  if (params.has("U") || (c3 && needs_U)) p.costs.U = params.matrix("U", n_z, n_z);
+  if (params.has("G") || (c3 && type.needs_G)) p.costs.G = params.matrices("G", n_z, n_z, N);
+  if (params.has("U") || (c3 && type.needs_U)) p.costs.U = params.matrix("U", n_z, n_z);
   if (params.has("Qx") || kind == c3::ProjectionKind::kConvex) {
     p.costs.convex.Q_x = params.matrix("Qx", n_x, n_x);
   }
@@ -184,13 +184,11 @@ ProblemFile read(const Json& json, const std::string& name) {
   top.choice("schema", {"c3-problem-1"});
   ProblemFile p{};
   p.method = top.choice("method", {"C3", "MIQP15"}, 0) == 0 ? Method::kC3 : Method::kMiqp15;
-  const std::vector<std::string> projections{"MIQP", "LCP", "ADMM", "CONVEX", "C3+"};
-  constexpr c3::ProjectionKind kKinds[] = {c3::ProjectionKind::kMiqp, c3::ProjectionKind::kLcp,
-                                           c3::ProjectionKind::kAdmm, c3::ProjectionKind::kConvex,
-                                           c3::ProjectionKind::kPlus};
-  p.settings.projection =
-      kKinds[p.method == Method::kC3 ? top.choice("projection", projections)
-                                     : top.choice("projection", projections, 0)];
+  std::vector<std::string> projections;
+  for (const auto type : c3::kProjectionTypes) projections.emplace_back(type().problem_name);
+  const std::size_t projection = p.method == Method::kC3 ? top.choice("projection", projections)
+                                                         : top.choice("projection", projections, 0);
+  p.settings.projection = c3::kProjectionTypes[projection]().kind;
 
   JsonReader params(top.at("params"), name, "params");
   const int N = params.integer("N", 1, kMaxStages);

@@ -29,8 +29,9 @@ may(controller/rt controller/base)
 may(controller/scene)
 may(controller/task controller/scene)
 may(controller/lcs)
-may(controller/c3 controller/lcs)
-may(controller/horizon controller/c3 controller/lcs)
+may(controller/qp controller/lcs)
+may(controller/c3 controller/lcs controller/qp)
+may(controller/horizon controller/lcs controller/qp controller/c3)
 may(controller/miqp controller/c3 controller/horizon)
 may(controller/model controller/lcs controller/scene)
 may(controller/example controller/base controller/lcs controller/c3 controller/model)
@@ -60,14 +61,15 @@ files_may("^plant_emulator/messages[.]" idl)
 files_may("_main[.]cpp$" config idl controller/rt controller/model controller/task plant_emulator)
 
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.
-set(pure controller/base controller/scene controller/task controller/lcs controller/c3 controller/horizon controller/miqp
+set(pure controller/base controller/scene controller/task controller/lcs controller/qp controller/c3 controller/horizon
+    controller/miqp
     controller/model controller/example controller/planner controller/impedance vision/track)
 set(impure_files "/load_[a-z_]+[.][ch]pp$|_main[.]cpp$|/service[.]|/servo[.]")
 set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco")
 
 # Third-party libraries have one owner each.
 set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/")
-set(owners "^controller/model/arm[.]cpp" "^controller/c3/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
+set(owners "^controller/model/arm[.]cpp" "^controller/qp/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
     "^plant_emulator/|^vision/virtual_cameras[.]" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]")
 
 # The room of a path: its longest folder that has a row.

@@ -29,23 +29,6 @@ const std::vector<Method>& methods() {
   return all;
 }
 
-std::unique_ptr<c3::Projection> make_projection(const c3::Sizes& sizes,
-                                                const c3::Settings& settings) {
-  switch (settings.projection) {
-    case c3::ProjectionKind::kMiqp:
-      return c3::make_miqp_projection(sizes, settings.max_nodes);
-    case c3::ProjectionKind::kLcp:
-      return c3::make_lcp_projection(sizes);
-    case c3::ProjectionKind::kAdmm:
-      return c3::make_admm_projection(sizes, settings.admm);
-    case c3::ProjectionKind::kConvex:
-      return c3::make_convex_projection(sizes);
-    case c3::ProjectionKind::kPlus:
-      break;
-  }
-  return c3::make_plus_projection(sizes);
-}
-
 /// Lets C3 decide, then projects once more what each of its projections was given, with a
 /// stopwatch: inside the solver there is no clock.
 class Rehearsal final : public example::Controller {
@@ -53,7 +36,7 @@ class Rehearsal final : public example::Controller {
   explicit Rehearsal(const example::Experiment& experiment)
       : controller_(traced(experiment)),
         sizes_(example::sizes(experiment)),
-        projection_(make_projection(sizes_, experiment.c3)),
+        projection_(c3::make_projection(sizes_, experiment.c3)),
         rho_scale_(experiment.c3.rho_scale) {
     projection_->set_weights(experiment.costs);
   }

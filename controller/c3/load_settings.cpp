@@ -1,5 +1,10 @@
 #include "controller/c3/load_settings.hpp"
 
+#include <string>
+#include <vector>
+
+#include "controller/c3/projection/registry.hpp"
+
 namespace c3rt::c3 {
 namespace {
 
@@ -23,12 +28,9 @@ Settings load_settings(config::Section section) {
   settings.qp = section.choice<QpBackend>("qp", {{"direct", QpBackend::kDirect},
                                                  {"interior_point", QpBackend::kInteriorPoint},
                                                  {"osqp", QpBackend::kOsqp}});
-  settings.projection =
-      section.choice<ProjectionKind>("projection", {{"miqp", ProjectionKind::kMiqp},
-                                                    {"lcp", ProjectionKind::kLcp},
-                                                    {"admm", ProjectionKind::kAdmm},
-                                                    {"convex", ProjectionKind::kConvex},
-                                                    {"plus", ProjectionKind::kPlus}});
+  std::vector<std::string> projections;
+  for (const auto type : kProjectionTypes) projections.emplace_back(type().key);
+  settings.projection = kProjectionTypes[section.choice("projection", projections)]().kind;
   const bool searches = settings.projection == ProjectionKind::kMiqp;
   settings.max_nodes = section.given("max_nodes", searches, "projection miqp")
                            ? section.integer("max_nodes", {1, 1e6})

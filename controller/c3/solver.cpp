@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "controller/c3/projection/registry.hpp"
 #include "controller/lcs/step.hpp"
 
 namespace c3rt::c3 {
@@ -26,29 +27,13 @@ bool has_sizes(const lcs::Lcs& lcs, const Sizes& s) {
 std::unique_ptr<QpStep> make_qp(const Sizes& sizes, const Settings& settings) {
   switch (settings.qp) {
     case QpBackend::kOsqp:
-      return make_osqp_qp(sizes, settings.osqp);
+      return qp::make_osqp_qp(sizes, settings.osqp);
     case QpBackend::kInteriorPoint:
-      return make_interior_point_qp(sizes);
+      return qp::make_interior_point_qp(sizes);
     case QpBackend::kDirect:
       break;
   }
-  return make_direct_qp(sizes);
-}
-
-std::unique_ptr<Projection> make_projection(const Sizes& sizes, const Settings& settings) {
-  switch (settings.projection) {
-    case ProjectionKind::kLcp:
-      return make_lcp_projection(sizes);
-    case ProjectionKind::kAdmm:
-      return make_admm_projection(sizes, settings.admm);
-    case ProjectionKind::kConvex:
-      return make_convex_projection(sizes);
-    case ProjectionKind::kPlus:
-      return make_plus_projection(sizes);
-    case ProjectionKind::kMiqp:
-      break;
-  }
-  return make_miqp_projection(sizes, settings.max_nodes);
+  return qp::make_direct_qp(sizes);
 }
 
 bool is_finite(const lcs::Lcs& lcs) {
@@ -70,14 +55,8 @@ void check(const Settings& settings) {
           std::to_string(settings.rho_scale));
   require(settings.max_nodes >= 1, "max_nodes: expected 1 or more",
           std::to_string(settings.max_nodes));
-  if (settings.projection == ProjectionKind::kAdmm) {
-    const AdmmProjectionSettings& admm = settings.admm;
-    require(positive(admm.rho), "admm.rho: expected a positive number", std::to_string(admm.rho));
-    require(positive(admm.rho_scale), "admm.rho_scale: expected a positive number",
-            std::to_string(admm.rho_scale));
-    require(admm.iterations >= 1, "admm.iterations: expected 1 or more",
-            std::to_string(admm.iterations));
-  }
+  const ProjectionType& type = projection_type(settings.projection);
+  if (type.check_settings != nullptr) type.check_settings(settings);
   if (settings.qp == QpBackend::kOsqp) {
     const OsqpSettings& osqp = settings.osqp;
     require(osqp.max_iterations >= 1, "osqp.max_iterations: expected 1 or more",
@@ -93,7 +72,8 @@ Solver::Solver(const Sizes& sizes, const Settings& settings, const Parallel& par
     : sizes_(sizes),
       settings_(settings),
       parallel_(parallel),
-      n_copy_(sizes.n_z() + (settings.projection == ProjectionKind::kPlus ? sizes.n_lambda : 0)),
+      consensus_(projection_type(settings.projection).make_consensus(sizes)),
+      n_copy_(consensus_->n_copy()),
       lemke_(sizes.n_lambda) {
   check(sizes);
   check(settings);
@@ -109,10 +89,6 @@ Solver::Solver(const Sizes& sizes, const Settings& settings, const Parallel& par
   y_.setZero(sizes.n_lambda);
   lambda_0_.setZero(sizes.n_lambda);
   reports_.resize(sizes.N);
-  if (settings.projection == ProjectionKind::kPlus) {
-    J_.assign(sizes.N, MatrixXd::Zero(sizes.n_lambda, sizes.n_z()));
-    W_.assign(sizes.N, MatrixXd::Zero(sizes.n_z(), sizes.n_z()));
-  }
   solution_.x_N.setZero(sizes.n_x);
   solution_.primal_residual.setZero(settings.admm_iterations);
   solution_.sizes = sizes;
@@ -128,14 +104,11 @@ void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
   check(costs, sizes_, settings_.projection);
   check(constraints, sizes_);
   has_costs_ = false;
-  Costs of_qp = costs;
-  // the consensus term of C3+ fills a whole block; a G that is there all the same says nothing of
-  // it
-  if (settings_.projection == ProjectionKind::kPlus) of_qp.G = {};
+  qp::Costs of_qp = costs;
+  of_qp.G = consensus_->pattern(costs);
   qp_->set_costs(of_qp, constraints);
   for (const Worker& worker : workers_) worker.projection->set_weights(costs);
-  G_ = costs.G;
-  plus_ = costs.plus;
+  consensus_->set_weights(costs);
   has_costs_ = true;
 }
 
@@ -190,7 +163,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
       return fail(failure);
     }
   }
-  qp_->start(lcs, weigh(lcs), settings_.fix_lambda_0 ? &lambda_0_ : nullptr);
+  qp_->start(lcs, consensus_->start(lcs), settings_.fix_lambda_0 ? &lambda_0_ : nullptr);
   for (Worker& worker : workers_) worker.lcs = nullptr;
   if (start != nullptr) {
     solution_.delta = start->delta;
@@ -202,13 +175,13 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   solution_.status = SolveStatus::kOk;
   for (int i = 0; i < settings_.admm_iterations; ++i) {
     const double rho = solution_.rho;
-    aim(lcs);
+    consensus_->set_linear_term(solution_.delta, solution_.w, g_);
     solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);  // [C3, eq. (21)]
     if (solution_.qp.status != QpStatus::kSolved) return fail(Failure::kQp);
     if (!z_.allFinite() || !x_N_.allFinite()) return fail(Failure::kNotFinite);
     solution_.z.topRows(sizes_.n_z()) = z_;
     solution_.x_N = x_N_;
-    append_eta(lcs);
+    consensus_->append(solution_.z);
     ++solution_.iterations;
     const bool last = i + 1 == settings_.admm_iterations;
     if (last && !settings_.project_last) {
@@ -238,56 +211,6 @@ Failure Solver::find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const Vector
   if (!lcs.H.isZero(0.0)) return Failure::kLambda0;
   const lcs::LcpReport report = lcs::solve_lcp(lcs, x0, lemke_, lambda_0_);
   return report.status == lcs::LcpStatus::kSolved ? Failure::kNone : Failure::kLambda0;
-}
-
-StageMatrices Solver::weigh(Horizon lcs) noexcept {
-  if (settings_.projection != ProjectionKind::kPlus) {
-    return {G_.data(), G_.count() == 1 ? 0 : 1};
-  }
-  const int systems = lcs.stride == 0 ? 1 : sizes_.N;
-  for (int k = 0; k < systems; ++k) {
-    MatrixXd& J = J_[k];
-    J.leftCols(sizes_.n_x) = lcs[k].E;
-    J.middleCols(sizes_.n_x, sizes_.n_lambda) = lcs[k].F;
-    J.rightCols(sizes_.n_u) = lcs[k].H;
-    MatrixXd& W = W_[k];
-    W.setZero();
-    W.diagonal().segment(sizes_.n_x, sizes_.n_lambda) = plus_.g_lambda;
-    // row by row: contact rows are mostly zeros
-    for (int row = 0; row < sizes_.n_lambda; ++row) {
-      for (int col = 0; col < sizes_.n_z(); ++col) {
-        const double weighted = plus_.g_eta[row] * J(row, col);
-        if (weighted == 0.0) continue;
-        for (int other = 0; other < sizes_.n_z(); ++other)
-          W(other, col) += weighted * J(row, other);
-      }
-    }
-  }
-  return {W_.data(), lcs.stride == 0 ? 0 : 1};
-}
-
-void Solver::aim(Horizon lcs) noexcept {
-  if (settings_.projection != ProjectionKind::kPlus) {
-    v_ = solution_.delta - solution_.w;
-    for (int k = 0; k < sizes_.N; ++k) g_.col(k).noalias() = G_[k] * v_.col(k);
-    return;
-  }
-  g_.setZero();
-  for (int k = 0; k < sizes_.N; ++k) {
-    const auto delta = solution_.delta.col(k), w = solution_.w.col(k);
-    sizes_.lambda(g_.col(k)) = plus_.g_lambda.cwiseProduct(sizes_.lambda(delta) - sizes_.lambda(w));
-    y_ = plus_.g_eta.cwiseProduct(sizes_.eta(delta) - sizes_.eta(w) - lcs[k].c);
-    g_.col(k).noalias() += J_[k * lcs.stride].transpose() * y_;
-  }
-}
-
-void Solver::append_eta(Horizon lcs) noexcept {
-  if (settings_.projection != ProjectionKind::kPlus) return;
-  for (int k = 0; k < sizes_.N; ++k) {
-    y_ = lcs[k].c;
-    y_.noalias() += J_[k * lcs.stride] * z_.col(k);
-    sizes_.eta(solution_.z.col(k)) = y_;
-  }
 }
 
 void Solver::project_stage(void* round, int k, int worker) noexcept {

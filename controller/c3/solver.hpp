@@ -5,15 +5,21 @@
 
 #include <Eigen/Core>
 
+#include "controller/c3/consensus.hpp"
 #include "controller/c3/deadline.hpp"
 #include "controller/c3/parallel.hpp"
 #include "controller/c3/problem.hpp"
 #include "controller/c3/projection.hpp"
-#include "controller/c3/qp.hpp"
 #include "controller/lcs/lcs.hpp"
 #include "controller/lcs/lemke.hpp"
+#include "controller/qp/qp.hpp"
 
 namespace c3rt::c3 {
+
+using qp::OsqpSettings;
+using qp::QpReport;
+using qp::QpStatus;
+using qp::QpStep;
 
 enum class QpBackend {
   kDirect,         // no constraints
@@ -131,7 +137,7 @@ class Solver {
                         const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
                         const Deadline& deadline = {}, const Start* start = nullptr) noexcept;
 
-  /// Rows of a stage's copy: n_z, with C3+ n_z + n_lambda.
+  /// Rows of a stage's copy: n_z, and what the projection appends (C3+: n_lambda).
   int n_copy() const noexcept { return n_copy_; }
 
  private:
@@ -156,12 +162,6 @@ class Solver {
   void reset() noexcept;
   const Solution& fail(Failure failure) noexcept;
   Failure find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x0) noexcept;
-  /// The W of the QP step.
-  StageMatrices weigh(Horizon lcs) noexcept;
-  /// g_ ← the linear consensus term for δ and w
-  void aim(Horizon lcs) noexcept;
-  /// The gaps η_k below z_k.
-  void append_eta(Horizon lcs) noexcept;
   /// δ ← projections of z + w; false if the solve cannot go on (see solution_)
   bool project(Horizon lcs, const Deadline& deadline) noexcept;
   static void project_stage(void* round, int k, int worker) noexcept;
@@ -171,15 +171,11 @@ class Solver {
   Sizes sizes_;
   Settings settings_;
   Parallel parallel_;
+  std::unique_ptr<Consensus> consensus_;
   int n_copy_;
   bool has_costs_ = false;
   std::unique_ptr<QpStep> qp_;
   std::vector<Worker> workers_;
-  PerStage<Eigen::MatrixXd> G_;
-  PlusWeights plus_;
-  // C3+ alone, N each
-  std::vector<Eigen::MatrixXd> J_;  // [E F H] (n_lambda × n_z)
-  std::vector<Eigen::MatrixXd> W_;  // G_λ + Jᵀ G_η J
   lcs::Lemke lemke_;
   Eigen::VectorXd lambda_0_;
   Eigen::MatrixXd z_, g_;  // work: a z or δ is published only when it is complete

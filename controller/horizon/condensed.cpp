@@ -255,7 +255,7 @@ VectorXd LeastDistance::normalised(const Centre& centre, const VectorXd& f) cons
   return L_.triangularView<Eigen::Lower>().transpose().solve(f - centre.half);
 }
 
-void LeastDistance::meet(const c3::NodeQp& qp, VectorXd& v) const {
+void LeastDistance::meet(const qp::NodeQp& qp, VectorXd& v) const {
   VectorXd s(qp.n_active());
   for (int repeat = 0; repeat < 3; ++repeat) {
     const VectorXd unscaled = original(v);
@@ -308,7 +308,7 @@ LeastDistance::Bound LeastDistance::settle(VectorXd v_c, const std::vector<int>&
   return best;
 }
 
-LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const c3::NodeQp& qp,
+LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const qp::NodeQp& qp,
                                                 double enough) const {
   std::vector<int> rows;
   for (int i = 0; i < qp.n_active(); ++i) rows.push_back(qp.active(i));
@@ -321,10 +321,10 @@ LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const c3::
   return settle(normalised(centre, qp.f()), rows, multipliers, enough);
 }
 
-double LeastDistance::infeasible_below(const Centre& centre, const c3::NodeQp& qp,
+double LeastDistance::infeasible_below(const Centre& centre, const qp::NodeQp& qp,
                                        double enough) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const c3::NodeQp::Contradiction against = qp.contradiction();
+  const qp::NodeQp::Contradiction against = qp.contradiction();
   const double slope = (L_.triangularView<Eigen::Lower>() * against.normal).norm();
   if (against.violation > (slope + kRounding * against.weight) * reach(normalised(centre, qp.f())))
     return kInfinity;

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "controller/c3/node_qp.hpp"
 #include "controller/horizon/feedback.hpp"
 #include "controller/horizon/problem.hpp"
+#include "controller/qp/node_qp.hpp"
 
 namespace c3rt::horizon {
 
@@ -41,7 +41,7 @@ Plan roll_out(const Problem& problem, const Condensed& condensed, const Eigen::V
 /// The v of a trajectory.
 Eigen::VectorXd inputs_of(const Problem& problem, const Condensed& condensed, const Plan& plan);
 
-/// A condensed problem as the least distance from the origin that c3::NodeQp solves. Its quadratic
+/// A condensed problem as the least distance from the origin that qp::NodeQp solves. Its quadratic
 /// term, which forces without a cost of their own leave singular, is made definite around a centre;
 /// `lower_bound` takes that out again. Works on v in units in which H has a unit diagonal, so that
 /// the units of forces do not matter:
@@ -72,7 +72,7 @@ class LeastDistance {
 
   /// Moves v (in the units of H) onto the active constraints as they are without L, whose condition
   /// has left them some digits away.
-  void meet(const c3::NodeQp& qp, Eigen::VectorXd& v) const;
+  void meet(const qp::NodeQp& qp, Eigen::VectorXd& v) const;
 
   struct Bound {
     double value;       // no plan within reach of `v` costs less
@@ -88,7 +88,7 @@ class LeastDistance {
   ///
   /// which kReach bounds. Less an allowance for rounding.
   /// @param enough  no better bound is needed
-  Bound lower_bound(const Centre& centre, const c3::NodeQp& qp, double enough) const;
+  Bound lower_bound(const Centre& centre, const qp::NodeQp& qp, double enough) const;
 
   /// How far from v (in the units of H) a plan could be that is cheaper than the bounds say: this
   /// many times the size of v and of the problem's cost.
@@ -99,7 +99,7 @@ class LeastDistance {
   /// within reach meets the constraints; a cost where rounding leaves only that one would have to
   /// cost more.
   /// @param enough  no better bound is needed
-  double infeasible_below(const Centre& centre, const c3::NodeQp& qp, double enough) const;
+  double infeasible_below(const Centre& centre, const qp::NodeQp& qp, double enough) const;
 
  private:
   using Multipliers = std::function<Eigen::VectorXd(Eigen::VectorXd t)>;

@@ -21,7 +21,7 @@ std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>&
   const LeastDistance least(condensed, kEpsilon);
   LeastDistance::Centre centre;
   least.place(Eigen::VectorXd::Zero(condensed.g.size()), centre);
-  c3::NodeQp qp(condensed.H.rows(), condensed.J.rows());
+  qp::NodeQp qp(condensed.H.rows(), condensed.J.rows());
   qp.start(centre.t);
   for (const int row : condensed.equalities) qp.pin(row);
   return solve_modes(problem, zero, condensed, least, qp, centre);
@@ -29,7 +29,7 @@ std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>&
 
 std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>& zero,
                                 const Condensed& condensed, const LeastDistance& least,
-                                c3::NodeQp& qp, LeastDistance::Centre& centre) {
+                                qp::NodeQp& qp, LeastDistance::Centre& centre) {
   for (int pair = 0; pair < condensed.n_pairs; ++pair) {
     qp.pin(zero[pair] == Side::kForce ? pair : condensed.n_pairs + pair);
   }
@@ -39,7 +39,7 @@ std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>&
   double before = kInfinity;
   for (int i = 0; i < kMaxCentres; ++i) {
     const double tolerance = kTolerance * centre.t.lpNorm<Eigen::Infinity>();
-    if (qp.solve(least.C(), centre.t, tolerance, kInfinity) != c3::NodeQp::Status::kSolved) break;
+    if (qp.solve(least.C(), centre.t, tolerance, kInfinity) != qp::NodeQp::Status::kSolved) break;
     qp.refine(least.C(), centre.t);
     Eigen::VectorXd v = least.normalised(centre, qp.f());
     least.meet(qp, v);

@@ -15,7 +15,7 @@ std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>&
 /// The same from a QP in the middle of a search, with its centre; both are used up.
 std::optional<Plan> solve_modes(const Problem& problem, const std::vector<Side>& zero,
                                 const Condensed& condensed, const LeastDistance& least,
-                                c3::NodeQp& qp, LeastDistance::Centre& centre);
+                                qp::NodeQp& qp, LeastDistance::Centre& centre);
 
 /// The modes of a trajectory: the smaller side of each pair.
 std::vector<Side> modes(const Problem& problem, const Plan& plan);

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "controller/c3/node_qp.hpp"
 #include "controller/horizon/modes.hpp"
+#include "controller/qp/node_qp.hpp"
 
 namespace c3rt::horizon {
 namespace {
@@ -46,7 +46,7 @@ class Search {
   }
 
   SearchResult run() {
-    c3::NodeQp& root = node(0).qp;
+    qp::NodeQp& root = node(0).qp;
     root.start(node(0).centre.t);
     for (const int row : condensed_.equalities) root.pin(row);
     explore(0, 0.0);  // costs are sums of squares
@@ -68,14 +68,14 @@ class Search {
 
  private:
   struct Node {
-    c3::NodeQp qp;
+    qp::NodeQp qp;
     LeastDistance::Centre centre;
   };
 
   Node& node(std::size_t level) {
     while (nodes_.size() <= level) {
       nodes_.push_back(
-          std::make_unique<Node>(Node{c3::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
+          std::make_unique<Node>(Node{qp::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
     }
     return *nodes_[level];
   }
@@ -97,7 +97,7 @@ class Search {
   /// Nothing more is known of what is below a node than its bound.
   void leave_open(double bound) { open_ = std::min(open_, bound); }
 
-  c3::NodeQp::Status solve(Node& here, double above) {
+  qp::NodeQp::Status solve(Node& here, double above) {
     return here.qp.solve(least_.C(), here.centre.t, kFeasible * magnitude_,
                          0.5 * (above - here.centre.lowest));
   }
@@ -121,15 +121,15 @@ class Search {
       // the last time whatever it costs: where the curvature is what costs, there may be more below
       const bool last = i == kMaxCentres;
       const auto status = solve(here, last ? kInfinity : prune_above());
-      if (status == c3::NodeQp::Status::kInfeasible) {
+      if (status == qp::NodeQp::Status::kInfeasible) {
         bound = std::max(bound, least_.infeasible_below(here.centre, here.qp, prune_above()));
         return bound >= prune_above() ? void() : leave_open(bound);
       }
-      if (status == c3::NodeQp::Status::kStuck) return leave_open(bound);
+      if (status == qp::NodeQp::Status::kStuck) return leave_open(bound);
       const LeastDistance::Bound lower = least_.lower_bound(here.centre, here.qp, prune_above());
       bound = std::max(bound, lower.value);
       if (bound >= prune_above()) return;
-      const bool solved = status == c3::NodeQp::Status::kSolved;
+      const bool solved = status == qp::NodeQp::Status::kSolved;
       if (solved && least_complementary(here.qp).smaller <= kComplementary * magnitude_) {
         leaf(here);
         if (bound >= prune_above()) return;
@@ -159,7 +159,7 @@ class Search {
     int pair = -1;
     double smaller = 0.0;
   };
-  Violation least_complementary(const c3::NodeQp& qp) const {
+  Violation least_complementary(const qp::NodeQp& qp) const {
     Violation worst;
     for (int i = 0; i < n_; ++i) {
       if (qp.is_pinned(i) || qp.is_pinned(n_ + i)) continue;  // what is left there is rounding
@@ -192,7 +192,7 @@ class Search {
   int n_;
   double magnitude_ = 0.0;
   std::vector<std::unique_ptr<Node>> nodes_;  // one per level
-  c3::NodeQp scratch_;
+  qp::NodeQp scratch_;
   LeastDistance::Centre scratch_centre_;
   SearchResult result_;
   std::optional<SearchStatus> limit_;  // what ended the search early

@@ -87,8 +87,8 @@ bool has_miqp_solver() { return false; }
 std::unique_ptr<c3::Projection> make_paper_projection(const c3::Sizes&) { return nullptr; }
 #endif
 
-std::unique_ptr<c3::QpStep> make_paper_qp(const c3::Sizes& sizes) {
-  return c3::make_osqp_qp(sizes, {4000, 1e-3, 0.1, 100, false});
+std::unique_ptr<qp::QpStep> make_paper_qp(const c3::Sizes& sizes) {
+  return qp::make_osqp_qp(sizes, {4000, 1e-3, 0.1, 100, false});
 }
 
 double paper_projection_time(const Problem& problem, const State& state, const MatrixXd& v) {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "controller/c3/projection.hpp"
-#include "controller/c3/qp.hpp"
+#include "controller/qp/qp.hpp"
 #include "tests/bench/problems.hpp"
 
 namespace bench {
@@ -28,7 +28,7 @@ bool has_miqp_solver();
 std::unique_ptr<c3rt::c3::Projection> make_paper_projection(const c3rt::c3::Sizes& sizes);
 
 /// A new OSQP with its own default settings.
-std::unique_ptr<c3rt::c3::QpStep> make_paper_qp(const c3rt::c3::Sizes& sizes);
+std::unique_ptr<c3rt::qp::QpStep> make_paper_qp(const c3rt::c3::Sizes& sizes);
 
 /// General MIQP solvers take up to seconds for one projection: of those of a problem at most this
 /// many are timed, evenly spread, and no more once this time has gone by [s].

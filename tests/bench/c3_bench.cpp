@@ -128,38 +128,22 @@ void qp_step(benchmark::State& state, const std::string& problem_name, QpBackend
   }
   const double baseline = (bench::thread_seconds() - start) / (kRounds * s);
 
-  const auto qp = backend == QpBackend::kDirect ? c3::make_direct_qp(p.sizes)
+  const auto qp = backend == QpBackend::kDirect ? qp::make_direct_qp(p.sizes)
                   : backend == QpBackend::kInteriorPoint
-                      ? c3::make_interior_point_qp(p.sizes)
-                      : c3::make_osqp_qp(p.sizes, p.settings.osqp);
+                      ? qp::make_interior_point_qp(p.sizes)
+                      : qp::make_osqp_qp(p.sizes, p.settings.osqp);
   qp->set_costs(p.costs, p.constraints);
   long failed = 0;
   while (state.KeepRunningBatch(s)) {
     qp->start({&at.lcs, 0}, {p.costs.G.data(), 0}, nullptr);
     for (std::size_t i = 0; i < qps.g.size(); ++i) {
-      const c3::QpReport report = qp->solve(qps.rho[i], at.x0, qps.x_desired, qps.g[i], z, x_N);
-      failed += report.status != c3::QpStatus::kSolved;
+      const qp::QpReport report = qp->solve(qps.rho[i], at.x0, qps.x_desired, qps.g[i], z, x_N);
+      failed += report.status != qp::QpStatus::kSolved;
       benchmark::DoNotOptimize(z.data());
     }
   }
   state.counters["not_ok"] = static_cast<double>(failed);
   count_speed_up(state, baseline);
-}
-
-std::unique_ptr<c3::Projection> make_projection(const Problem& p) {
-  switch (p.settings.projection) {
-    case ProjectionKind::kMiqp:
-      return c3::make_miqp_projection(p.sizes, p.settings.max_nodes);
-    case ProjectionKind::kLcp:
-      return c3::make_lcp_projection(p.sizes);
-    case ProjectionKind::kAdmm:
-      return c3::make_admm_projection(p.sizes, p.settings.admm);
-    case ProjectionKind::kConvex:
-      return c3::make_convex_projection(p.sizes);
-    case ProjectionKind::kPlus:
-      return c3::make_plus_projection(p.sizes);
-  }
-  return nullptr;
 }
 
 /// What is projected in one solve, of all rounds and stages: v = z_k + w_k.
@@ -198,7 +182,7 @@ void project(benchmark::State& state, const std::string& problem_name, Projectio
     baselines[problem_name] = bench::paper_projection_time(exact, of_exact, v_exact);
   }
 
-  const auto projection = make_projection(p);
+  const auto projection = c3::make_projection(p.sizes, p.settings);
   projection->set_weights(p.costs);
   VectorXd delta(v.rows());
   long nodes = 0, failed = 0;

@@ -14,9 +14,9 @@ using Eigen::VectorXd;
 namespace {
 
 /// The first QP of Algorithm 1 with the weights G, by this back end.
-c3::QpReport first_qp(const bench::Problem& p, const bench::State& at, QpBackend backend) {
-  const auto qp = backend == QpBackend::kDirect ? c3::make_direct_qp(p.sizes)
-                                                : c3::make_interior_point_qp(p.sizes);
+qp::QpReport first_qp(const bench::Problem& p, const bench::State& at, QpBackend backend) {
+  const auto qp = backend == QpBackend::kDirect ? qp::make_direct_qp(p.sizes)
+                                                : qp::make_interior_point_qp(p.sizes);
   c3::Constraints constraints = p.constraints;
   if (backend == QpBackend::kInteriorPoint && !c3::any(constraints)) {
     constraints.u_max = VectorXd::Constant(p.sizes.n_u, 1e6);  // nothing comes near it
@@ -39,10 +39,10 @@ TEST_CASE("benchmarks: the first QP of every problem is solved, by every back en
       for (std::size_t i = 0; i < p.states.size(); ++i) {
         for (const QpBackend backend : {QpBackend::kDirect, QpBackend::kInteriorPoint}) {
           if (backend == QpBackend::kDirect && c3::any(p.constraints)) continue;
-          const c3::QpReport report = first_qp(p, p.states[i], backend);
+          const qp::QpReport report = first_qp(p, p.states[i], backend);
           CAPTURE(name, N, i, static_cast<int>(backend), report.iterations, report.primal_residual,
                   report.dual_residual);
-          CHECK(report.status == c3::QpStatus::kSolved);
+          CHECK(report.status == qp::QpStatus::kSolved);
         }
       }
     }

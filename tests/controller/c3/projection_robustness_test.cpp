@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "controller/c3/projection.hpp"
+#include "controller/c3/solver.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
 
@@ -24,24 +25,17 @@ constexpr int kMaxNodes = 300;
 // Of a row's terms and, for the MIQP, of the distance to the farthest of the half-spaces' borders.
 constexpr double kInSet = 1e-9;
 
-const std::vector<ProjectionKind> kKinds = {ProjectionKind::kMiqp, ProjectionKind::kLcp,
-                                            ProjectionKind::kAdmm, ProjectionKind::kConvex,
-                                            ProjectionKind::kPlus};
+const std::vector<ProjectionKind> kKinds = [] {
+  std::vector<ProjectionKind> kinds;
+  for (const auto type : kProjectionTypes) kinds.push_back(type().kind);
+  return kinds;
+}();
 
 std::unique_ptr<Projection> make(ProjectionKind kind, const Sizes& sizes) {
-  switch (kind) {
-    case ProjectionKind::kLcp:
-      return make_lcp_projection(sizes);
-    case ProjectionKind::kAdmm:
-      return make_admm_projection(sizes, {});
-    case ProjectionKind::kConvex:
-      return make_convex_projection(sizes);
-    case ProjectionKind::kPlus:
-      return make_plus_projection(sizes);
-    case ProjectionKind::kMiqp:
-      break;
-  }
-  return make_miqp_projection(sizes, kMaxNodes);
+  Settings settings{};
+  settings.projection = kind;
+  settings.max_nodes = kMaxNodes;
+  return make_projection(sizes, settings);
 }
 
 struct Problem {
@@ -168,7 +162,7 @@ bool same_bits(const VectorXd& a, const VectorXd& b) {
 }
 
 int rows_of(const Problem& p, ProjectionKind kind) {
-  return p.sizes.n_z() + (kind == ProjectionKind::kPlus ? p.sizes.n_lambda : 0);
+  return projection_type(kind).make_consensus(p.sizes)->n_copy();
 }
 
 void check_all(const Problem& p, int trial, std::vector<int>& solved) {

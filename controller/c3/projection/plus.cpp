@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "controller/c3/consensus.hpp"
+#include "controller/c3/projection.hpp"
+#include "controller/qp/requirements.hpp"
+
+namespace c3rt::c3 {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+class PlusProjection final : public Projection {
+ public:
+  explicit PlusProjection(const Sizes& sizes) : sizes_(sizes) {}
+
+  void set_weights(const Costs& costs) override {
+    u_lambda_ = costs.plus.u_lambda;
+    u_eta_ = costs.plus.u_eta;
+    root_lambda_ = u_lambda_.cwiseSqrt();
+    root_eta_ = u_eta_.cwiseSqrt();
+  }
+
+  void start(const lcs::Lcs&) noexcept override {}
+
+  ProjectionReport project(const Eigen::Ref<const VectorXd>& v, Eigen::Ref<VectorXd> delta,
+                           const Deadline&) noexcept override {
+    delta = v;
+    if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
+    auto lambda = sizes_.lambda(delta);
+    auto eta = sizes_.eta(delta);
+    double objective = 0.0;
+    for (int i = 0; i < sizes_.n_lambda; ++i) {
+      // keep the half-axis that is farther away in the weighted norm, drop the other
+      const double a = lambda[i], b = eta[i];
+      const bool keep_force = root_lambda_[i] * a >= root_eta_[i] * b;
+      lambda[i] = keep_force ? std::max(a, 0.0) : 0.0;
+      eta[i] = keep_force ? 0.0 : std::max(b, 0.0);
+      objective += u_lambda_[i] * (lambda[i] - a) * (lambda[i] - a) +
+                   u_eta_[i] * (eta[i] - b) * (eta[i] - b);
+    }
+    return {ProjectionStatus::kSolved, 0, objective};
+  }
+
+ private:
+  Sizes sizes_;
+  VectorXd u_lambda_, u_eta_, root_lambda_, root_eta_;
+};
+
+}  // namespace
+
+std::unique_ptr<Projection> make_plus_projection(const Sizes& sizes) {
+  return std::make_unique<PlusProjection>(sizes);
+}
+
+namespace {
+
+/// The copy is [z; η] with the gaps η = J z + c, J = [E F H]; W = G_λ + Jᵀ G_η J.
+class GapConsensus final : public Consensus {
+ public:
+  explicit GapConsensus(const Sizes& sizes)
+      : sizes_(sizes),
+        J_(sizes.N, MatrixXd::Zero(sizes.n_lambda, sizes.n_z())),
+        W_(sizes.N, MatrixXd::Zero(sizes.n_z(), sizes.n_z())),
+        y_(VectorXd::Zero(sizes.n_lambda)) {}
+
+  int n_copy() const noexcept override { return sizes_.n_z() + sizes_.n_lambda; }
+  void set_weights(const Costs& costs) override { weights_ = costs.plus; }
+  /// W fills a whole block; a G that is there all the same says nothing of it.
+  PerStage<MatrixXd> pattern(const Costs&) const override { return {}; }
+
+  StageMatrices start(Horizon lcs) noexcept override {
+    lcs_ = lcs;
+    const int systems = lcs.stride == 0 ? 1 : sizes_.N;
+    for (int k = 0; k < systems; ++k) {
+      MatrixXd& J = J_[k];
+      J.leftCols(sizes_.n_x) = lcs[k].E;
+      J.middleCols(sizes_.n_x, sizes_.n_lambda) = lcs[k].F;
+      J.rightCols(sizes_.n_u) = lcs[k].H;
+      MatrixXd& W = W_[k];
+      W.setZero();
+      W.diagonal().segment(sizes_.n_x, sizes_.n_lambda) = weights_.g_lambda;
+      // row by row: contact rows are mostly zeros
+      for (int row = 0; row < sizes_.n_lambda; ++row) {
+        for (int col = 0; col < sizes_.n_z(); ++col) {
+          const double weighted = weights_.g_eta[row] * J(row, col);
+          if (weighted == 0.0) continue;
+          for (int other = 0; other < sizes_.n_z(); ++other)
+            W(other, col) += weighted * J(row, other);
+        }
+      }
+    }
+    return {W_.data(), lcs.stride == 0 ? 0 : 1};
+  }
+
+  void set_linear_term(const MatrixXd& deltas, const MatrixXd& ws, MatrixXd& g) noexcept override {
+    g.setZero();
+    for (int k = 0; k < sizes_.N; ++k) {
+      const auto delta = deltas.col(k), w = ws.col(k);
+      sizes_.lambda(g.col(k)) =
+          weights_.g_lambda.cwiseProduct(sizes_.lambda(delta) - sizes_.lambda(w));
+      y_ = weights_.g_eta.cwiseProduct(sizes_.eta(delta) - sizes_.eta(w) - lcs_[k].c);
+      g.col(k).noalias() += J_[k * lcs_.stride].transpose() * y_;
+    }
+  }
+
+  void append(MatrixXd& copy) noexcept override {
+    for (int k = 0; k < sizes_.N; ++k) {
+      y_ = lcs_[k].c;
+      y_.noalias() += J_[k * lcs_.stride] * copy.col(k).head(sizes_.n_z());
+      sizes_.eta(copy.col(k)) = y_;
+    }
+  }
+
+ private:
+  Sizes sizes_;
+  PlusWeights weights_;
+  Horizon lcs_{nullptr, 0};
+  std::vector<MatrixXd> J_;  // (n_lambda × n_z), N of them
+  std::vector<MatrixXd> W_;  // (n_z × n_z), N of them
+  VectorXd y_;
+};
+
+std::unique_ptr<Consensus> make_gap_consensus(const Sizes& sizes) {
+  return std::make_unique<GapConsensus>(sizes);
+}
+
+void check_plus(const Costs& costs, const Sizes& sizes) {
+  qp::require_vector("Costs.plus.g_lambda", costs.plus.g_lambda, sizes.n_lambda, true);
+  qp::require_vector("Costs.plus.g_eta", costs.plus.g_eta, sizes.n_lambda, true);
+  qp::require_vector("Costs.plus.u_lambda", costs.plus.u_lambda, sizes.n_lambda, false);
+  qp::require_vector("Costs.plus.u_eta", costs.plus.u_eta, sizes.n_lambda, false);
+}
+
+}  // namespace
+
+const ProjectionType& plus_projection() {
+  static const ProjectionType type{
+      ProjectionKind::kPlus,
+      "plus",
+      "C3+",
+      false,
+      false,
+      [](const Sizes& sizes, const Settings&) { return make_plus_projection(sizes); },
+      make_gap_consensus,
+      check_plus};
+  return type;
+}
+
+}  // namespace c3rt::c3

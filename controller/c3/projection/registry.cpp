@@ -1,0 +1,21 @@
+#include "controller/c3/projection/registry.hpp"
+
+#include "controller/c3/projection.hpp"
+#include "controller/c3/solver.hpp"
+
+namespace c3rt::c3 {
+
+const ProjectionType& projection_type(ProjectionKind kind) noexcept {
+  for (const auto type : kProjectionTypes) {
+    if (type().kind == kind) return type();
+  }
+  return kProjectionTypes.front()();
+}
+
+std::unique_ptr<Projection> make_projection(const qp::Sizes& sizes, const Settings& settings) {
+  const ProjectionType& type = projection_type(settings.projection);
+  if (type.check_settings != nullptr) type.check_settings(settings);
+  return type.make(sizes, settings);
+}
+
+}  // namespace c3rt::c3

@@ -1,0 +1,54 @@
+#pragma once
+// The projections by name: a new one is a file in this folder and its lines in this header.
+#include <array>
+#include <memory>
+#include <string>
+
+#include "controller/qp/problem.hpp"
+
+namespace c3rt::c3 {
+
+class Consensus;
+struct Costs;
+class Projection;
+struct Settings;
+
+enum class ProjectionKind {
+  kMiqp,    // exact, by branch and bound                                       [C3, eq. (23)]
+  kLcp,     // λ from the LCP at the x and u of the QP                          [C3, V.B.3b]
+  kAdmm,    // QCQP by a nested ADMM with bisection                             [C3, V.B.3c]
+  kConvex,  // one convex QP that trades complementarity against distance        [C3, eq. (24)]
+  kPlus,    // C3+: gap variables in the QP, projection pair by pair            [C3+, III]
+};
+
+/// What the solver and the loaders know of a projection.
+struct ProjectionType {
+  ProjectionKind kind;
+  const char* key;           // in scenarios
+  const char* problem_name;  // in files of `c3rt solve`
+  bool needs_G, needs_U;     // of Costs
+  std::unique_ptr<Projection> (*make)(const qp::Sizes& sizes, const Settings& settings);
+  /// Its copy, and the consensus term of the QP.
+  std::unique_ptr<Consensus> (*make_consensus)(const qp::Sizes& sizes);
+  /// Of the weights that it alone has, and of its settings; throw std::invalid_argument naming the
+  /// field and what was expected. Null: there are none.
+  void (*check_weights)(const Costs& costs, const qp::Sizes& sizes) = nullptr;
+  void (*check_settings)(const Settings& settings) = nullptr;
+};
+
+// each in the file of its name
+const ProjectionType& miqp_projection();
+const ProjectionType& lcp_projection();
+const ProjectionType& admm_projection();
+const ProjectionType& convex_projection();
+const ProjectionType& plus_projection();
+
+inline constexpr std::array kProjectionTypes{miqp_projection, lcp_projection, admm_projection,
+                                             convex_projection, plus_projection};
+
+const ProjectionType& projection_type(ProjectionKind kind) noexcept;
+
+/// @throws std::invalid_argument as the projection's checks
+std::unique_ptr<Projection> make_projection(const qp::Sizes& sizes, const Settings& settings);
+
+}  // namespace c3rt::c3

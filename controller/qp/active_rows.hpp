@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "controller/qp/qp_rows.hpp"
+
+namespace c3rt::qp {
+
+/// A guess of which rows of a QP are active, and how a solution with these rows as equalities and
+/// the others left out corrects it [primal-dual active set]. After `prepare` nothing allocates.
+class ActiveRows {
+ public:
+  enum class Held : char { kNo, kLower, kUpper, kEquality };
+
+  /// How many rows of a guess were held anew and let go of.
+  struct Corrections {
+    int taken = 0, released = 0;
+    int all() const noexcept { return taken + released; }
+  };
+
+  /// How far a value may be beyond its bound.
+  static double slack(double value) noexcept {
+    return kTolerance * std::max(std::abs(value), 1e-3);
+  }
+
+  /// The rows must outlive the calls of everything below.
+  explicit ActiveRows(const QpRows& rows) : rows_(rows) {}
+
+  /// For all of the rows. May allocate.
+  void prepare();
+  /// Only what has l = u is held. RT.
+  void release() noexcept;
+
+  Held operator[](int row) const noexcept { return held_[row]; }
+  void set(int row, Held held) noexcept { held_[row] = held; }
+  /// The bound of a held row.
+  double target(int row) const noexcept {
+    return held_[row] == Held::kUpper ? rows_[row].upper : rows_[row].lower;
+  }
+
+  /// Lets go of rows that pull the wrong way and holds rows that are violated. RT.
+  /// @param value       aᵀ z of each row
+  /// @param multiplier  of each row; positive pushes up
+  /// @param compliance  of each row, positive: the units in which multipliers compare
+  Corrections correct(const Eigen::VectorXd& value, const Eigen::VectorXd& multiplier,
+                      const Eigen::VectorXd& compliance) noexcept;
+
+ private:
+  static constexpr double kTolerance = 1e-10;  // of bounds and of signs of multipliers
+
+  bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
+  void shorten_run(int end, int step, const Eigen::VectorXd& multiplier,
+                   Corrections& made) noexcept;
+  void hold_run(int first, const Eigen::VectorXd& value, Corrections& made) noexcept;
+
+  const QpRows& rows_;
+  std::vector<Held> held_;
+  std::vector<Held> before_;    // the guess that is corrected
+  std::vector<Held> violated_;  // per row: the side
+};
+
+}  // namespace c3rt::qp

@@ -1,0 +1,354 @@
+#include "controller/qp/interior_point_qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace c3rt::qp {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+constexpr int kMaxIterations = 60;
+constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
+constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
+constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
+constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
+constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
+constexpr double kAcceptable = 1e-7;   // residuals; worse: not solved
+constexpr double kConsistent = 1e-9;   // the same for what the states miss the dynamics by
+constexpr double kToBoundary = 0.995;  // share of the way to the boundary
+constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
+constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
+
+}  // namespace
+
+InteriorPointQp::InteriorPointQp(const Sizes& sizes)
+    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes), held_(model_.rows()) {
+  z_kept_.setZero(sizes.n_z(), sizes.N);
+  x_N_kept_.setZero(sizes.n_x);
+}
+
+void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constraints) {
+  direct_->set_costs(costs, {});
+  model_.set_costs(costs, constraints);
+  const QpRows& rows = model_.rows();
+  sides_.clear();
+  held_.prepare();
+  infeasibility_.prepare(model_);
+  for (int i = 0; i < rows.all(); ++i) {
+    const QpRows::Row& row = rows[i];
+    if (row.lower == row.upper) continue;
+    if (row.lower > -kNone) sides_.push_back({i, 1.0, row.lower});
+    if (row.upper < kNone) sides_.push_back({i, -1.0, row.upper});
+  }
+  for (VectorXd* v : {&compliance_, &weight_, &multiplier_, &extra_, &multiplier_kept_}) {
+    v->setZero(rows.all());
+  }
+  for (VectorXd* v : {&s_, &y_, &ds_, &dy_, &ds_affine_, &dy_affine_}) {
+    v->setZero(static_cast<Eigen::Index>(sides_.size()));
+  }
+}
+
+void InteriorPointQp::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
+  rho_measured_ = 0.0;
+  direct_->start(lcs, W, lambda_0);
+  model_.start(lcs, W, lambda_0);
+  n_sides_ = 0;
+  for (const Side& side : sides_) n_sides_ += side.row < model_.rows().count() ? 1 : 0;
+  release();
+}
+
+QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0,
+                                const Eigen::Ref<const MatrixXd>& x_desired,
+                                const Eigen::Ref<const MatrixXd>& g, Eigen::Ref<MatrixXd> z,
+                                Eigen::Ref<VectorXd> x_N) noexcept {
+  if (model_.rows().count() == 0) return direct_->solve(rho, x0, x_desired, g, z, x_N);
+  model_.aim(rho, x0, x_desired, g);
+  iterations_ = 0;
+  if (!(rho <= kRemeasure * rho_measured_ && rho_measured_ <= kRemeasure * rho)) {
+    weight_.setZero();
+    if (!model_.factor(weight_)) {
+      return {QpStatus::kNotFactorable, 0, kNone, kNone};
+    }
+    model_.measure(compliance_);
+    rho_measured_ = rho;
+  }
+  QpStatus status = QpStatus::kSolved;
+  if (!settle()) status = iterate();
+  QpReport report = check(status);
+  z = model_.z();
+  x_N = model_.x_N();
+  if (report.status == QpStatus::kNotConverged && infeasibility_.prove(model_, compliance_)) {
+    report.status = QpStatus::kInfeasible;
+  }
+  if (report.status != QpStatus::kSolved) release();
+  return report;
+}
+
+void InteriorPointQp::release() noexcept {
+  held_.release();
+  multiplier_.setZero();
+}
+
+/// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
+/// row to its bound, and what pull is left becomes its multiplier [method of multipliers], until no
+/// pull is left.
+bool InteriorPointQp::hold() noexcept { return tie() && pull() && pull_to_the_end(); }
+
+/// Ties springs to the held rows.
+bool InteriorPointQp::tie() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    weight_[i] = held_[i] == Held::kNo ? 0.0 : kStiffness / compliance_[i];
+    if (held_[i] == Held::kNo) multiplier_[i] = 0.0;
+  }
+  ++iterations_;
+  return model_.factor(weight_);
+}
+
+/// One pull of the springs.
+bool InteriorPointQp::pull() noexcept {
+  const int n = model_.rows().count();
+  model_.differentiate(multiplier_);
+  for (int i = 0; i < n; ++i) {
+    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - held_.target(i));
+  }
+  model_.newton(extra_);
+  // by the step, not by the point it leads to, whose rounding the spring would magnify
+  for (int i = 0; i < n; ++i) {
+    if (weight_[i] != 0.0) multiplier_[i] -= extra_[i] + weight_[i] * model_.change(i);
+  }
+  model_.move(1.0);
+  return std::isfinite(model_.relative_step());
+}
+
+/// The first pull of springs tied anew, good to their stiffness.
+void InteriorPointQp::pull_from_rest() noexcept {
+  const int n = model_.rows().count();
+  for (int i = 0; i < n; ++i) {
+    extra_[i] = -multiplier_[i];
+    if (weight_[i] != 0.0) extra_[i] += weight_[i] * (model_.value_at_rest()[i] - held_.target(i));
+  }
+  model_.newton_from_rest(extra_);
+  for (int i = 0; i < n; ++i) {
+    if (weight_[i] != 0.0) multiplier_[i] = -extra_[i] - weight_[i] * model_.change(i);
+  }
+}
+
+/// More pulls, after a first one.
+bool InteriorPointQp::pull_to_the_end() noexcept {
+  double change = model_.relative_step();
+  for (int round = 0; round < kMaxCorrections; ++round) {
+    const double previous = change;
+    if (!pull()) return false;
+    change = model_.relative_step();
+    if (change * change <= kConverged * previous || change > 0.5 * previous) break;
+  }
+  if (!(change <= kSettled)) return false;
+  // rows that contradict each other end in a compromise
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    if (held_[i] == Held::kNo) continue;
+    const double off = std::abs(model_.value()[i] - held_.target(i));
+    if (off > ActiveRows::slack(model_.value()[i])) return false;
+  }
+  return true;
+}
+
+/// Holds, lets go of rows whose multiplier pulls the wrong way, holds rows that are violated, and
+/// so on [primal-dual active set]. True once nothing is to be changed. One pull, good to the
+/// springs' stiffness, is enough to correct a guess; one that stands is pulled to the end.
+bool InteriorPointQp::settle() noexcept {
+  int fewest = std::numeric_limits<int>::max(), patience = kPatience;
+  while (patience > 0) {
+    if (!tie()) return false;
+    pull_from_rest();
+    ActiveRows::Corrections made = held_.correct(model_.value(), multiplier_, compliance_);
+    if (made.all() == 0) {
+      if (!pull_to_the_end()) return false;
+      made = held_.correct(model_.value(), multiplier_, compliance_);
+      if (made.all() == 0) return true;
+    }
+    // what only lets go comes to an end; what also takes may go in circles
+    if (made.taken > 0 && made.all() >= fewest) {
+      --patience;
+    } else if (made.all() < fewest) {
+      fewest = made.all();
+      patience = kPatience;
+    }
+  }
+  return false;
+}
+
+/// Mehrotra's predictor-corrector from the point where only equalities are held.
+QpStatus InteriorPointQp::iterate() noexcept {
+  release();
+  if (!hold()) {
+    collect_multipliers();
+  }
+  start_sides();
+  std::size_t next_gap = 0;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    double gap = 0.0, off = 0.0;
+    for (int j = 0; j < n_sides_; ++j) {
+      const Side& side = sides_[j];
+      gap = std::max(gap, s_[j] * y_[j]);
+      off = std::max(off, std::abs(side.sign * (model_.value()[side.row] - side.bound) - s_[j]) /
+                              std::sqrt(compliance_[side.row]));
+    }
+    collect_multipliers();
+    model_.differentiate(multiplier_);
+    const double unit = violation_ * violation_;
+    if (off <= kGaps[next_gap] * violation_ && gap <= kGaps[next_gap] * unit) {
+      z_kept_ = model_.z();
+      x_N_kept_ = model_.x_N();
+      multiplier_kept_ = multiplier_;
+      enter();
+      if (settle()) return QpStatus::kSolved;
+      model_.go_to(z_kept_, x_N_kept_);
+      multiplier_ = multiplier_kept_;
+      model_.differentiate(multiplier_);
+      if (++next_gap == std::size(kGaps)) return QpStatus::kSolved;
+    }
+    if (off > 1e-8 * violation_ && Infeasibility::is_proven(model_, multiplier_))
+      return QpStatus::kInfeasible;
+    ++iterations_;
+    if (!newton_step()) return QpStatus::kNotFactorable;
+  }
+  collect_multipliers();
+  model_.differentiate(multiplier_);
+  return QpStatus::kNotConverged;
+}
+
+/// Guess from the iterate: a row is active where its multiplier is larger than its slack.
+void InteriorPointQp::enter() noexcept {
+  held_.release();
+  for (int j = 0; j < n_sides_; ++j) {
+    if (y_[j] * compliance_[sides_[j].row] <= s_[j]) continue;
+    held_.set(sides_[j].row, sides_[j].sign > 0.0 ? Held::kLower : Held::kUpper);
+  }
+}
+
+/// In units of √cost a slack is s/√compliance and a multiplier y √compliance; the largest violation
+/// in these units says how large both should be.
+void InteriorPointQp::start_sides() noexcept {
+  violation_ = 0.0;
+  const auto distance = [this](const Side& side) {
+    return side.sign * (model_.value()[side.row] - side.bound);
+  };
+  for (int j = 0; j < n_sides_; ++j) {
+    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    violation_ = std::max(violation_, -distance(sides_[j]) / unit);
+  }
+  if (violation_ == 0.0) violation_ = 1.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    s_[j] = std::max(std::abs(distance(sides_[j])), violation_ * unit);
+    y_[j] = violation_ * violation_ / s_[j];
+  }
+}
+
+void InteriorPointQp::collect_multipliers() noexcept {
+  for (int i = 0; i < model_.rows().count(); ++i) {
+    if (held_[i] != Held::kEquality) multiplier_[i] = 0.0;
+  }
+  for (int j = 0; j < n_sides_; ++j) multiplier_[sides_[j].row] += sides_[j].sign * y_[j];
+}
+
+/// One predictor and corrector from the gradient kept in the model.
+bool InteriorPointQp::newton_step() noexcept {
+  const int n = model_.rows().count();
+  for (int i = 0; i < n; ++i) {
+    weight_[i] = held_[i] == Held::kEquality ? kStiffness / compliance_[i] : 0.0;
+  }
+  double mu = 0.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    weight_[sides_[j].row] += y_[j] / s_[j];
+    mu += s_[j] * y_[j];
+  }
+  mu /= std::max(n_sides_, 1);
+  if (!model_.factor(weight_)) return false;
+
+  const auto solve_for = [&](double centre, bool corrected) {
+    for (int i = 0; i < n; ++i) {
+      extra_[i] =
+          held_[i] == Held::kEquality ? weight_[i] * (model_.value()[i] - held_.target(i)) : 0.0;
+    }
+    const auto complementarity = [&](int j) {
+      return s_[j] * y_[j] - centre + (corrected ? ds_affine_[j] * dy_affine_[j] : 0.0);
+    };
+    const auto off = [&](int j) {
+      const Side& side = sides_[j];
+      return side.sign * (model_.value()[side.row] - side.bound) - s_[j];
+    };
+    for (int j = 0; j < n_sides_; ++j) {
+      extra_[sides_[j].row] += sides_[j].sign * (complementarity(j) + y_[j] * off(j)) / s_[j];
+    }
+    model_.newton(extra_);
+    for (int j = 0; j < n_sides_; ++j) {
+      ds_[j] = sides_[j].sign * model_.change(sides_[j].row) + off(j);
+      dy_[j] = -(complementarity(j) + y_[j] * ds_[j]) / s_[j];
+    }
+  };
+  const auto longest = [&](double share) {
+    double alpha = 1.0;
+    for (int j = 0; j < n_sides_; ++j) {
+      if (ds_[j] < 0.0) alpha = std::min(alpha, -share * s_[j] / ds_[j]);
+      if (dy_[j] < 0.0) alpha = std::min(alpha, -share * y_[j] / dy_[j]);
+    }
+    return alpha;
+  };
+  solve_for(0.0, false);
+  const double alpha_affine = longest(1.0);
+  double mu_affine = 0.0;
+  for (int j = 0; j < n_sides_; ++j) {
+    mu_affine += (s_[j] + alpha_affine * ds_[j]) * (y_[j] + alpha_affine * dy_[j]);
+  }
+  mu_affine /= std::max(n_sides_, 1);
+  ds_affine_ = ds_;
+  dy_affine_ = dy_;
+  const double ratio = mu_affine / mu;
+  solve_for(ratio * ratio * ratio * mu, true);
+
+  const double alpha = longest(kToBoundary);
+  for (int i = 0; i < n; ++i) {
+    if (held_[i] != Held::kEquality) continue;
+    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - held_.target(i) + model_.change(i));
+  }
+  model_.move(alpha);
+  for (int j = 0; j < n_sides_; ++j) {
+    s_[j] += alpha * ds_[j];
+    y_[j] += alpha * dy_[j];
+  }
+  return true;
+}
+
+/// The optimality conditions at the point reached, each beside its terms.
+QpReport InteriorPointQp::check(QpStatus status) noexcept {
+  const int n = model_.rows().count();
+  double dual = model_.stationarity(multiplier_);
+  double pull = 0.0;
+  for (int i = 0; i < n; ++i) {
+    pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
+  }
+  for (int i = 0; i < n; ++i) {
+    const QpRows::Row& row = model_.rows()[i];
+    if (multiplier_[i] == 0.0 || row.lower == row.upper) continue;
+    const double value = model_.value()[i];
+    const double inside = multiplier_[i] > 0.0 ? value - row.lower : row.upper - value;
+    const double lost = std::abs(multiplier_[i]) * std::max(0.0, inside);
+    dual = std::max(dual, lost / std::max(pull * pull, std::abs(multiplier_[i]) * std::abs(value)));
+  }
+  const double inconsistency = model_.inconsistency(), violation = model_.violation();
+  const bool met = violation <= kAcceptable && inconsistency <= kConsistent && dual <= kAcceptable;
+  if (status == QpStatus::kSolved && !met) status = QpStatus::kNotConverged;
+  if (!model_.z().allFinite() || !model_.x_N().allFinite()) status = QpStatus::kNotFactorable;
+  return {status, iterations_, std::max(violation, inconsistency), dual};
+}
+
+std::unique_ptr<QpStep> make_interior_point_qp(const Sizes& sizes) {
+  return std::make_unique<InteriorPointQp>(sizes);
+}
+
+}  // namespace c3rt::qp

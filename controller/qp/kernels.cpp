@@ -1,0 +1,283 @@
+#include "controller/qp/kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+// Compiled a second time with wider vectors where the processor has them. Without fused
+// multiply-add an element sees the same operations in the same order either way. Sanitizers cannot
+// follow.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define C3RT_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define C3RT_WIDE
+#endif
+#define C3RT_INLINE inline __attribute__((always_inline))
+
+namespace c3rt::qp::kernels {
+namespace {
+
+typedef double Four __attribute__((vector_size(32)));
+typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long FourBits __attribute__((vector_size(32)));
+typedef long long FourBitsAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+
+constexpr int kMaxFours = 6;  // that many sums fit the registers
+
+/// y ±= Σ_m c[m stride] X[:, column m], or with kFromZero y = that, over 4 kFours rows; column m is
+/// index[m] or m itself.
+template <int kFours, bool kSubtract, bool kIndexed, bool kFromZero = false>
+C3RT_INLINE void accumulate_fours(const double* X, int ld, int count, const int* index,
+                                  const double* c, int stride, double* y) {
+  Four sum[kFours];
+  for (int i = 0; i < kFours; ++i) {
+    if (kFromZero) {
+      sum[i] = Four{0.0, 0.0, 0.0, 0.0};
+    } else {
+      sum[i] = *reinterpret_cast<const FourAnywhere*>(y + 4 * i);
+    }
+  }
+  for (int m = 0; m < count; ++m) {
+    const double* x = X + static_cast<long>(kIndexed ? index[m] : m) * ld;
+    const double factor = kSubtract ? -c[static_cast<long>(m) * stride] : c[m * stride];
+    const Four factors = {factor, factor, factor, factor};
+    for (int i = 0; i < kFours; ++i) {
+      sum[i] += factors * *reinterpret_cast<const FourAnywhere*>(x + 4 * i);
+    }
+  }
+  for (int i = 0; i < kFours; ++i) *reinterpret_cast<FourAnywhere*>(y + 4 * i) = sum[i];
+}
+
+template <bool kSubtract>
+C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const double* c,
+                            int stride, double* y) {
+  for (int left = rows / 4; left > 0;) {
+    const int fours = std::min(left, kMaxFours);
+    switch (fours) {
+      case 1:
+        accumulate_fours<1, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+      case 2:
+        accumulate_fours<2, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+      case 3:
+        accumulate_fours<3, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+      case 4:
+        accumulate_fours<4, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+      case 5:
+        accumulate_fours<5, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+      default:
+        accumulate_fours<6, kSubtract, false>(X, ld, count, nullptr, c, stride, y);
+        break;
+    }
+    X += 4 * fours;
+    y += 4 * fours;
+    left -= fours;
+  }
+}
+
+/// Y += X S, or with kFromZero Y = X S, for 4 kFours of the rows.
+template <int kFours, bool kFromZero>
+C3RT_INLINE void add_fours(const double* X, int ld, Columns S, int first, int last, double* Y) {
+  for (int j = first; j < last; ++j, Y += ld) {
+    const int begin = S.start[j];
+    accumulate_fours<kFours, false, true, kFromZero>(X, ld, S.start[j + 1] - begin, S.row + begin,
+                                                     S.value + begin, 1, Y);
+  }
+}
+
+template <bool kFromZero>
+C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int last, double* Y) {
+  const int ld = padded(rows);
+  for (int row = 0, left = ld / 4; left > 0; row += 4 * kMaxFours, left -= kMaxFours) {
+    const double* x = X + row;
+    double* y = Y + row;
+    switch (std::min(left, kMaxFours)) {
+      case 1:
+        add_fours<1, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 2:
+        add_fours<2, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 3:
+        add_fours<3, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 4:
+        add_fours<4, kFromZero>(x, ld, S, first, last, y);
+        break;
+      case 5:
+        add_fours<5, kFromZero>(x, ld, S, first, last, y);
+        break;
+      default:
+        add_fours<6, kFromZero>(x, ld, S, first, last, y);
+        break;
+    }
+  }
+}
+
+/// The row from which column j of a symmetric matrix is computed.
+C3RT_INLINE int from_row(int j) { return j / 4 * 4; }
+
+}  // namespace
+
+C3RT_WIDE void add_product(int rows, const double* X, Columns S, int first, int last,
+                           double* Y) noexcept {
+  multiply<false>(rows, X, S, first, last, Y);
+}
+
+C3RT_WIDE void product(int rows, const double* X, Columns S, int first, int last,
+                       double* Y) noexcept {
+  multiply<true>(rows, X, S, first, last, Y);
+}
+
+C3RT_WIDE void transpose(int rows, int cols, const double* X, double* Y) noexcept {
+  const int ld_X = padded(rows), ld_Y = padded(cols);
+  const Four zeros = {0.0, 0.0, 0.0, 0.0};  // in Y's padding
+  for (int j = 0; j < rows; j += 4) {       // X is padded, Y has `rows` columns
+    for (int i = 0; i < cols; i += 4) {
+      const double* x = X + i * ld_X + j;
+      const int left = cols - i;
+      const Four a = *reinterpret_cast<const FourAnywhere*>(x);
+      const Four b = left > 1 ? *reinterpret_cast<const FourAnywhere*>(x + ld_X) : zeros;
+      const Four c = left > 2 ? *reinterpret_cast<const FourAnywhere*>(x + 2 * ld_X) : zeros;
+      const Four d = left > 3 ? *reinterpret_cast<const FourAnywhere*>(x + 3 * ld_X) : zeros;
+      const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+      const Four ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+      const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+      const Four cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      const Four row[4] = {__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5),
+                           __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5),
+                           __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7),
+                           __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7)};
+      for (int m = 0; m < 4 && j + m < rows; ++m) {
+        *reinterpret_cast<FourAnywhere*>(Y + (j + m) * ld_Y + i) = row[m];
+      }
+    }
+  }
+}
+
+C3RT_WIDE bool cholesky(int n, const double* X, double* L, double* inverse) noexcept {
+  const int ld = padded(n);
+  for (int j = 0; j < n; ++j) {
+    const int from = from_row(j);
+    double* column = L + j * ld;
+    if (X != L) std::copy(X + j * ld + from, X + (j + 1) * ld, column + from);
+    accumulate<true>(ld - from, L + from, ld, j, L + j, ld, column + from);
+    if (!(column[j] > 0.0)) return false;
+    const double root = std::sqrt(column[j]);
+    inverse[j] = 1.0 / root;
+    for (int i = j + 1; i < n; ++i) column[i] *= inverse[j];
+    column[j] = root;
+  }
+  return true;
+}
+
+C3RT_WIDE void solve_right(int rows, int n, const double* L, const double* inverse,
+                           double* Y) noexcept {
+  const int ld = padded(rows), ld_L = padded(n);
+  for (int j = 0; j < n; ++j) {
+    double* column = Y + j * ld;
+    accumulate<true>(ld, Y, ld, j, L + j, ld_L, column);
+    for (int i = 0; i < ld; ++i) column[i] *= inverse[j];
+  }
+}
+
+C3RT_WIDE void subtract_gram(int rows, int n, const double* Y, double* X) noexcept {
+  const int ld = padded(rows);
+  for (int j = 0; j < rows; ++j) {
+    const int from = from_row(j);
+    accumulate<true>(ld - from, Y + from, ld, n, Y + j, ld, X + j * ld + from);
+  }
+}
+
+C3RT_WIDE void add_columns(int rows, int cols, const double* X, int stride, const double* c,
+                           double* y) noexcept {
+  const int whole = rows / 4 * 4;
+  if (whole == 0) {
+    for (int i = 0; i < rows; ++i) {
+      double sum = y[i];
+      for (int j = 0; j < cols; ++j) sum += X[static_cast<long>(j) * stride + i] * c[j];
+      y[i] = sum;
+    }
+    return;
+  }
+  // the last four beside the others: some are summed twice
+  Four last = *reinterpret_cast<const FourAnywhere*>(y + rows - 4);
+  if (whole < rows) {
+    const double* x = X + rows - 4;
+    for (int j = 0; j < cols; ++j, x += stride) {
+      const Four factors = {c[j], c[j], c[j], c[j]};
+      last += factors * *reinterpret_cast<const FourAnywhere*>(x);
+    }
+  }
+  accumulate<false>(whole, X, stride, cols, c, 1, y);
+  if (whole < rows) *reinterpret_cast<FourAnywhere*>(y + rows - 4) = last;
+}
+
+C3RT_WIDE void subtract_columns(int rows, int cols, const double* X, const double* c,
+                                double* y) noexcept {
+  const int ld = padded(rows);
+  accumulate<true>(ld, X, ld, cols, c, 1, y);
+}
+
+C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const double* y,
+                                   double* c) noexcept {
+  const int ld = padded(rows);
+  for (int j = 0; j < cols; ++j) {
+    Four sum = {0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < ld; i += 4) {
+      sum += *reinterpret_cast<const FourAnywhere*>(X + j * ld + i) *
+             *reinterpret_cast<const FourAnywhere*>(y + i);
+    }
+    c[j] -= (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+}
+
+C3RT_WIDE double largest(int rows, int cols, const double* X, int stride) noexcept {
+  // without their signs, doubles are in the order of their bits, and NaN is above infinity
+  constexpr long long kSize = std::numeric_limits<long long>::max();
+  FourBits most = {0, 0, 0, 0};
+  long long all = 0;
+  for (int j = 0; j < cols; ++j, X += stride) {
+    if (rows >= 4) {
+      for (int i = 0; i < rows; i += 4) {  // the last four may overlap those before
+        const FourBits bits =
+            kSize & *reinterpret_cast<const FourBitsAnywhere*>(X + std::min(i, rows - 4));
+        most = bits > most ? bits : most;
+      }
+    } else {
+      for (int i = 0; i < rows; ++i) {
+        long long bits;
+        std::memcpy(&bits, X + i, sizeof bits);
+        all = std::max(all, bits & kSize);
+      }
+    }
+  }
+  for (int i = 0; i < 4; ++i) all = std::max<long long>(all, most[i]);
+  double value;
+  std::memcpy(&value, &all, sizeof value);
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {
+  const int ld = padded(n);
+  for (int j = 0; j < n; ++j) {
+    y[j] *= inverse[j];
+    for (int i = j + 1; i < n; ++i) y[i] -= L[j * ld + i] * y[j];
+  }
+}
+
+void solve_lower_transposed(int n, const double* L, const double* inverse, double* y) noexcept {
+  const int ld = padded(n);
+  for (int j = n - 1; j >= 0; --j) {
+    y[j] *= inverse[j];
+    for (int i = 0; i < j; ++i) y[i] -= L[i * ld + j] * y[j];
+  }
+}
+
+}  // namespace c3rt::qp::kernels

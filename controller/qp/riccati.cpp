@@ -1,0 +1,409 @@
+#include "controller/qp/riccati.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace c3rt::qp {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where Cholesky breaks down
+constexpr int kMaxShifts = 4;          // each 100 times the one before
+
+constexpr double kRounding = 2.2e-16;
+constexpr double kOwn = 1e-6;         // share of a gradient's own terms that counts as its scale
+constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
+
+/// y += S v for columns [first, last) of S, v starting with column `first`.
+void add_product(kernels::Columns S, int first, int last, const double* v, double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    const double factor = v[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] += S.value[e] * factor;
+  }
+}
+
+/// y −= S v in the same way.
+void subtract_product(kernels::Columns S, int first, int last, const double* v,
+                      double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    const double factor = v[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] -= S.value[e] * factor;
+  }
+}
+
+/// y += Sᵀ v for columns [first, last) of S.
+void add_transposed_product(kernels::Columns S, int first, int last, const double* v,
+                            double* y) noexcept {
+  for (int j = first; j < last; ++j) {
+    double sum = y[j - first];
+    for (int e = S.start[j]; e < S.start[j + 1]; ++e) sum += S.value[e] * v[S.row[e]];
+    y[j - first] = sum;
+  }
+}
+
+/// X += the squares' rows [row, row + rows) and columns [column, column + columns), X with columns
+/// `ld` apart.
+void add_squares(const Squares* squares, int stage, int row, int rows, int column, int columns,
+                 int ld, double* X) noexcept {
+  if (squares == nullptr) return;
+  for (int i = squares->first(stage); i >= 0; i = (*squares)[i].next) {
+    const Squares::Term& term = (*squares)[i];
+    if (term.coordinate >= 0) {
+      const int r = term.coordinate - row, c = term.coordinate - column;
+      if (r >= 0 && r < rows && c >= 0 && c < columns) X[c * ld + r] += term.weight;
+      continue;
+    }
+    for (int c = 0; c < columns; ++c) {
+      const double factor = term.weight * term.normal[column + c];
+      if (factor == 0.0) continue;
+      for (int r = 0; r < rows; ++r) X[c * ld + r] += factor * term.normal[row + r];
+    }
+  }
+}
+
+/// A maximum that keeps NaN.
+double larger(double a, double b) noexcept { return a > b || std::isnan(a) ? a : b; }
+
+}  // namespace
+
+void Squares::prepare(int N, int terms) {
+  first_.assign(static_cast<std::size_t>(N) + 1, -1);
+  terms_.clear();
+  terms_.reserve(static_cast<std::size_t>(terms));
+}
+
+void Squares::clear() noexcept {
+  std::fill(first_.begin(), first_.end(), -1);
+  terms_.clear();
+}
+
+void Squares::add(int stage, int coordinate, const double* normal, double weight) noexcept {
+  terms_.push_back({coordinate, normal, weight, first_[stage]});
+  first_[stage] = static_cast<int>(terms_.size()) - 1;
+}
+
+Riccati::Riccati(const Sizes& sizes)
+    : sizes_(sizes),
+      n_nu_(sizes.n_lambda + sizes.n_u),
+      ld_x_(kernels::padded(sizes.n_x)),
+      ld_nu_(kernels::padded(n_nu_)),
+      systems_(sizes.N),
+      stages_(sizes.N) {
+  const auto n_x = static_cast<std::size_t>(sizes.n_x), n_nu = static_cast<std::size_t>(n_nu_);
+  const auto ld_x = static_cast<std::size_t>(ld_x_), ld_nu = static_cast<std::size_t>(ld_nu_);
+  const auto prepare = [n_x](Sparse& sparse, std::size_t columns) {
+    sparse.start.assign(columns + 1, 0);
+    sparse.row.assign(n_x * columns, 0);
+    sparse.value.assign(n_x * columns, 0.0);
+  };
+  for (System& system : systems_) {
+    prepare(system.A, n_x);
+    prepare(system.B_hat, n_nu);
+  }
+  for (Stage& stage : stages_) {
+    stage.L.assign(ld_nu * n_nu, 0.0);
+    stage.L_inverse.assign(ld_nu, 0.0);
+    stage.T.assign(ld_x * n_nu, 0.0);
+    stage.P_next.assign(ld_x * n_x, 0.0);
+    stage.kappa.assign(ld_nu, 0.0);
+  }
+  PA_.assign(ld_x * n_x, 0.0);
+  AP_ = PA_;
+  PB_.assign(ld_x * n_nu, 0.0);
+  BP_.assign(ld_nu * n_x, 0.0);
+  R_.assign(ld_nu * n_nu, 0.0);
+  p_.assign(ld_x, 0.0);
+  p_next_ = x_ = x_next_ = p_;
+  nu_.assign(ld_nu, 0.0);
+}
+
+void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
+  lcs_ = lcs;
+  lambda_0_fixed_ = lambda_0_fixed;
+  largest_gain_ = 0.0;
+  const auto append = [](Sparse& sparse, int& column, const MatrixXd& M) {
+    int entries = sparse.start[column];  // start[0] is 0 always
+    for (Eigen::Index j = 0; j < M.cols(); ++j) {
+      for (Eigen::Index i = 0; i < M.rows(); ++i) {
+        if (M(i, j) == 0.0) continue;
+        sparse.row[entries] = static_cast<int>(i);
+        sparse.value[entries++] = M(i, j);
+      }
+      sparse.start[++column] = entries;
+    }
+  };
+  for (int k = 0; k < (lcs.stride == 0 ? 1 : sizes_.N); ++k) {
+    int column = 0;
+    append(systems_[k].A, column, lcs[k].A);
+    column = 0;
+    append(systems_[k].B_hat, column, lcs[k].D);
+    append(systems_[k].B_hat, column, lcs[k].B);
+    for (int e = 0; e < systems_[k].B_hat.start[n_nu_]; ++e) {
+      largest_gain_ = std::max(largest_gain_, std::abs(systems_[k].B_hat.value[e]));
+    }
+  }
+}
+
+bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last,
+                     const Squares* squares) noexcept {
+  if (last >= sizes_.N) {
+    last = sizes_.N - 1;
+    std::vector<double>& P = stages_[last].P_next;
+    for (int j = 0; j < sizes_.n_x; ++j) {
+      std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P[j * ld_x_]);
+    }
+    add_squares(squares, sizes_.N, 0, sizes_.n_x, 0, sizes_.n_x, ld_x_, P.data());
+  }
+  for (int k = last; k >= 0; --k) {
+    if (!factor_inputs(k, H[k], squares)) return false;
+    if (k > 0) eliminate_inputs(k, H[k], squares);
+  }
+  return true;
+}
+
+/// R̂ = H_νν + B̂ᵀ P B̂ and its factor. Where rounding makes it indefinite, a tiny shift makes it
+/// definite; refinement with the exact gradient then removes the shift's error from a solution.
+bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
+  const kernels::Columns B_hat = system(k).B_hat.columns();
+  const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
+  kernels::product(n_x, stages_[k].P_next.data(), B_hat, begin, n_nu_, PB_.data());
+  kernels::transpose(n_x, n, PB_.data(), BP_.data());
+  for (int j = 0; j < n; ++j) {
+    std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
+    std::fill(&R_[j * ld] + n, &R_[j * ld] + ld, 0.0);
+  }
+  add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
+  kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
+  Stage& stage = stages_[k];
+  if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
+  double shift = 0.0;
+  for (int j = 0; j < n; ++j) shift = std::max(shift, kFirstShift * R_[j * ld + j]);
+  for (int i = 0; i < kMaxShifts; ++i) {
+    for (int j = 0; j < n; ++j) R_[j * ld + j] += shift;
+    if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
+    shift *= 100.0;
+  }
+  return false;
+}
+
+/// P_k = H_xx + Aᵀ P_{k+1} A − T Tᵀ with T = (L⁻¹ S)ᵀ.
+void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
+  const System& system = this->system(k);
+  const int n_x = sizes_.n_x;
+  Stage& stage = stages_[k];
+  std::vector<double>& P = stages_[k - 1].P_next;
+  kernels::product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
+  kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
+  for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
+  add_squares(squares, k, 0, n_x, n_x, n_nu_, ld_x_, stage.T.data());
+  kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, stage.T.data());
+  kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
+  for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P[j * ld_x_]);
+  add_squares(squares, k, 0, n_x, 0, n_x, ld_x_, P.data());
+  kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P.data());
+  kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P.data());
+  for (int j = 0; j < n_x; ++j) {
+    for (int i = j + 1; i < n_x; ++i) P[i * ld_x_ + j] = P[j * ld_x_ + i];
+  }
+}
+
+void Riccati::defects(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
+                      MatrixXd& defect) const noexcept {
+  const int n_x = sizes_.n_x;
+  for (int k = 0; k < sizes_.N; ++k) {
+    const double* z_k = z.col(k).data();
+    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    const double* d = lcs_[k].d.data();
+    double* out = defect.col(k).data();
+    for (int i = 0; i < n_x; ++i) out[i] = -d[i];
+    subtract_product(system(k).A.columns(), 0, n_x, z_k, out);
+    subtract_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, out);
+    for (int i = 0; i < n_x; ++i) out[i] += next[i];
+  }
+}
+
+double Riccati::relative_defect(const Eigen::Ref<const MatrixXd>& z,
+                                const Eigen::Ref<const VectorXd>& x_N,
+                                const MatrixXd& defect) noexcept {
+  const int n_x = sizes_.n_x;
+  double worst = 0.0;
+  for (int k = 0; k < sizes_.N; ++k) {
+    const double largest = kernels::largest(n_x, defect.col(k).data());
+    if (largest == 0.0) continue;
+    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
+    const double of_next = kernels::largest(n_x, next);
+    if (largest <= worst * of_next) continue;  // other terms could only make it less
+    std::copy_n(lcs_[k].d.data(), n_x, x_.data());
+    add_product(system(k).A.columns(), 0, n_x, z.col(k).data(), x_.data());
+    worst = larger(worst, largest / std::max(kernels::largest(n_x, x_.data()), of_next));
+  }
+  return worst;
+}
+
+Riccati::Stationarity Riccati::stationarity(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                            const Eigen::Ref<const MatrixXd>& z) noexcept {
+  return look(gradient, gradient_N, nullptr, z.data());
+}
+
+Riccati::Stationarity Riccati::pull(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                    const MatrixXd& defect) noexcept {
+  return look(gradient, gradient_N, &defect, nullptr);
+}
+
+Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gradient_N,
+                                    const MatrixXd* defect, const double* z) noexcept {
+  const int n_x = sizes_.n_x;
+  Stationarity found;
+  const int n_z = sizes_.n_z(), behind = sizes_.N - 1;  // the stages behind the first
+  const double* second = gradient.data() + n_z;
+  found.input_scale = larger(kernels::largest(n_nu_ - first(0), gradient.data() + n_x + first(0)),
+                             kernels::largest(n_nu_, behind, second + n_x, n_z));
+  found.state_scale = kernels::largest(n_x, behind, second, n_z);
+  std::copy_n(gradient_N.data(), n_x, p_.data());
+  for (int k = sizes_.N - 1; k >= 0; --k) {
+    const Stage& stage = stages_[k];
+    const double* g = gradient.col(k).data();
+    const int begin = first(k), n = n_nu_ - begin;
+    if (defect != nullptr) {
+      for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
+    }
+    const kernels::Columns B_hat = system(k).B_hat.columns();
+    double unknown[2] = {0.0, 0.0};                        // of λ, of u
+    double largest = 0.0, largest_term = 0.0, zero = 0.0;  // 0 v is 0, or NaN
+    for (int i = 0; i < n; ++i) {
+      double sum = 0.0, terms = 0.0;
+      for (int e = B_hat.start[begin + i]; e < B_hat.start[begin + i + 1]; ++e) {
+        const double term = B_hat.value[e] * p_[B_hat.row[e]];
+        sum += term;
+        terms += std::abs(term);
+      }
+      largest_term = std::max(largest_term, std::abs(sum));
+      nu_[i] = sum + g[n_x + begin + i];
+      largest = std::max(largest, std::abs(nu_[i]));
+      zero += 0.0 * nu_[i];
+      // an entry of R̂⁻¹ is at least this
+      double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
+      kind = std::max(kind, terms * stage.L_inverse[i] * stage.L_inverse[i]);
+    }
+    std::fill(nu_.begin() + n, nu_.end(), 0.0);
+    found.input_scale = larger(found.input_scale, largest_term);
+    found.input = larger(found.input, largest + zero);
+    if (z != nullptr) {
+      const double* nu = z + k * n_z + n_x;
+      const auto compare = [&found](double of_kind, int size, const double* values) {
+        if (kRounding * of_kind <= found.unknown) return;  // however small the values are
+        found.unknown = std::max(
+            found.unknown, kRounding * of_kind / std::max(1.0, kernels::largest(size, values)));
+      };
+      compare(unknown[0], sizes_.n_lambda, nu);
+      compare(unknown[1], sizes_.n_u, nu + sizes_.n_lambda);
+    } else {
+      for (int i = 0; i < n; ++i) found.input_sum += std::abs(nu_[i]);
+    }
+    if (k == 0) break;
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    std::fill(p_next_.begin(), p_next_.end(), 0.0);
+    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    found.state_scale = larger(found.state_scale, kernels::largest(n_x, p_next_.data()));
+    std::fill(x_.begin(), x_.end(), 0.0);
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
+    found.state = larger(found.state, kernels::largest(n_x, x_.data()));
+    for (int i = 0; i < n_x; ++i) p_next_[i] += g[i] + x_[i];
+    if (z == nullptr) {
+      for (int i = 0; i < n_x; ++i) found.state_sum += std::abs(x_[i]);
+    }
+    p_.swap(p_next_);
+  }
+  return found;
+}
+
+double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept {
+  const int n_x = sizes_.n_x;
+  std::fill(p_.begin(), p_.end(), 0.0);
+  if (k == sizes_.N) std::copy_n(a.data(), n_x, p_.data());
+  double sum = 0.0;
+  int stages = 0;
+  for (int j = std::min(k, sizes_.N - 1); j >= 0; --j) {
+    const Stage& stage = stages_[j];
+    const int begin = first(j), n = n_nu_ - begin;
+    std::fill(nu_.begin(), nu_.end(), 0.0);
+    if (j == k) std::copy_n(a.data() + n_x + begin, n, nu_.data());
+    add_transposed_product(system(j).B_hat.columns(), begin, n_nu_, p_.data(), nu_.data());
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    for (int i = 0; i < n; ++i) sum += nu_[i] * nu_[i];
+    if (j == 0 || (sum > 0.0 && ++stages >= kComplianceStages)) break;
+    std::fill(p_next_.begin(), p_next_.end(), 0.0);
+    if (j == k) std::copy_n(a.data(), n_x, p_next_.data());
+    add_transposed_product(system(j).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), p_next_.data());
+    p_.swap(p_next_);
+  }
+  return sum;
+}
+
+void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, const MatrixXd& defect,
+                   MatrixXd& step_z, VectorXd& step_N) noexcept {
+  const int n_x = sizes_.n_x;
+  std::copy_n(gradient_N.data(), n_x, p_.data());
+  for (int k = sizes_.N - 1; k >= 0; --k) {
+    Stage& stage = stages_[k];
+    const double* g = gradient.col(k).data();
+    const int begin = first(k), n = n_nu_ - begin;
+    // the cost-to-go is met at the state that the defect shifts
+    kernels::subtract_columns(n_x, n_x, stage.P_next.data(), defect.col(k).data(), p_.data());
+    std::copy_n(g + n_x + begin, n, stage.kappa.data());
+    add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), stage.kappa.data());
+    kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), stage.kappa.data());
+    if (k == 0) break;
+    std::copy_n(g, n_x, p_next_.data());
+    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), stage.kappa.data(), p_next_.data());
+    p_.swap(p_next_);
+  }
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (int k = 0; k < sizes_.N; ++k) {
+    const Stage& stage = stages_[k];
+    const int begin = first(k), n = n_nu_ - begin;
+    double* z_k = step_z.col(k).data();
+    for (int i = 0; i < n; ++i) nu_[i] = -stage.kappa[i];
+    if (k > 0) kernels::subtract_transposed(n_x, n_nu_, stage.T.data(), x_.data(), nu_.data());
+    kernels::solve_lower_transposed(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
+    std::copy_n(x_.data(), n_x, z_k);
+    std::fill_n(z_k + n_x, begin, 0.0);
+    std::copy_n(nu_.data(), n, z_k + n_x + begin);
+    for (int i = 0; i < n_x; ++i) x_next_[i] = -defect(i, k);
+    add_product(system(k).A.columns(), 0, n_x, x_.data(), x_next_.data());
+    add_product(system(k).B_hat.columns(), begin, n_nu_, nu_.data(), x_next_.data());
+    x_.swap(x_next_);
+  }
+  std::copy_n(x_.data(), n_x, step_N.data());
+}
+
+double relative(const Riccati::Stationarity& found, const QpCost::Terms& terms,
+                double gain) noexcept {
+  // terms of the gradient in the inputs count where nothing else is there, to cover their rounding
+  const double input_scale = std::max({found.input_scale, gain * terms.state, kOwn * terms.input});
+  const double state_scale = std::max(found.state_scale, terms.state);
+  const double input = found.input == 0.0 ? 0.0 : found.input / input_scale;
+  return larger(input, found.state == 0.0 ? 0.0 : found.state / state_scale);
+}
+
+double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,
+                     const Eigen::Ref<const MatrixXd>& z) noexcept {
+  double ratio = 0.0;
+  const auto compare = [&](int first, int count) {
+    const auto largest = [&](const Eigen::Ref<const MatrixXd>& M) {
+      return kernels::largest(count, sizes.N, M.data() + first, static_cast<int>(M.outerStride()));
+    };
+    const double size = largest(z), change = largest(step);
+    if (change > ratio * size) ratio = change / size;
+  };
+  compare(0, sizes.n_x);
+  compare(sizes.n_x, sizes.n_lambda);
+  compare(sizes.n_x + sizes.n_lambda, sizes.n_u);
+  return ratio;
+}
+
+}  // namespace c3rt::qp

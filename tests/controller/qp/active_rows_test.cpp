@@ -1,0 +1,133 @@
+#include "controller/qp/active_rows.hpp"
+
+#include <limits>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+namespace {
+
+using namespace c3rt::qp;
+using Eigen::VectorXd;
+using Held = ActiveRows::Held;
+
+constexpr int kStages = 20;
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+/// One state, of which x_1 … x_N ≤ 0; row k − 1 belongs to stage k.
+struct Wall {
+  Wall() : rows({1, 1, 1, kStages}), active(rows) {
+    Constraints constraints;
+    constraints.x_max = VectorXd::Zero(1);
+    constraints.x_N_max = VectorXd::Zero(1);
+    rows.set(constraints);
+    active.prepare();
+    active.release();
+  }
+  void hold(int first, int last) {
+    for (int i = first; i <= last; ++i) active.set(i, Held::kUpper);
+  }
+  ActiveRows::Corrections correct() { return active.correct(value, multiplier, compliance); }
+  /// '.' not held, 'U' held, of rows 0 … N − 1.
+  std::string held() const {
+    std::string all;
+    for (int i = 0; i < kStages; ++i) all += active[i] == Held::kUpper ? 'U' : '.';
+    return all;
+  }
+
+  QpRows rows;
+  ActiveRows active;
+  VectorXd value = VectorXd::Constant(kStages, -1.0), multiplier = VectorXd::Zero(kStages),
+           compliance = VectorXd::Ones(kStages);
+};
+
+}  // namespace
+
+TEST_CASE("active rows: of a violated run only the worst are held") {
+  Wall wall;
+  REQUIRE(wall.rows.count() == kStages);
+  for (int i = 5; i <= 11; ++i) wall.value[i] = 1.0 - 0.1 * std::abs(i - 8);
+  CHECK(wall.correct().taken == 3);
+  CHECK(wall.held() == ".......UUU..........");
+}
+
+TEST_CASE("active rows: a violated run beside held rows is held from them up to its top") {
+  Wall wall;
+  wall.hold(2, 7);
+  wall.multiplier.segment(2, 6).setConstant(-1.0);
+  wall.value.segment(2, 6).setZero();
+  wall.value.segment(8, 5) << 1.0, 2.0, 2.5, 2.2, 1.0;  // the top lies between rows 10 and 11
+  SECTION("the top is behind the worst") {
+    CHECK(wall.correct().taken == 3);
+    CHECK(wall.held() == "..UUUUUUUUU.........");
+  }
+  SECTION("the top is before the worst") {
+    wall.value[11] = 1.0;
+    CHECK(wall.correct().taken == 2);
+    CHECK(wall.held() == "..UUUUUUUU..........");
+  }
+  SECTION("what is longer than the held run is not trusted") {
+    wall.active.release();
+    wall.hold(7, 7);
+    CHECK(wall.correct().taken == 2);
+    CHECK(wall.held() == ".......U..UU........");
+  }
+}
+
+TEST_CASE("active rows: a gap between held rows is closed at once") {
+  Wall wall;
+  wall.hold(3, 6);
+  wall.hold(10, 13);
+  wall.multiplier.setConstant(-1.0);
+  wall.value.segment(3, 11) << 0, 0, 0, 0, 0.1, 0.2, 0.1, 0, 0, 0, 0;
+  CHECK(wall.correct().taken == 3);
+  CHECK(wall.held() == "...UUUUUUUUUUU......");
+}
+
+TEST_CASE("active rows: a run that is too long is shortened by as much as its end pulls") {
+  const auto released = [](double end) {
+    Wall wall;
+    wall.hold(3, 12);
+    wall.value.segment(3, 10).setZero();
+    wall.multiplier.segment(3, 10).setConstant(-1.0);
+    wall.multiplier[12] = end;
+    return wall.correct().released;
+  };
+  CHECK(released(-0.1) == 0);
+  CHECK(released(0.2) == 1);
+  CHECK(released(0.6) == 1);
+  CHECK(released(0.8) == 2);
+  CHECK(released(1.2) == 3);
+  CHECK(released(1e9) == 9);  // never all
+}
+
+TEST_CASE("active rows: the end of a run that is too short is no end to let go of") {
+  Wall wall;
+  wall.hold(3, 8);
+  wall.value.segment(3, 6).setZero();
+  wall.multiplier.segment(3, 6).setConstant(-1.0);
+  wall.multiplier[7] = 0.5;  // behind the end, which takes the load of what is violated
+  wall.value[9] = 0.3;
+  const ActiveRows::Corrections made = wall.correct();
+  CHECK(made.taken == 1);
+  CHECK(made.released == 0);
+  CHECK(wall.held() == "...UUUUUUU..........");
+}
+
+TEST_CASE("active rows: an equality is never let go of") {
+  const Sizes sizes{1, 1, 1, 3};
+  QpRows rows(sizes);
+  Constraints constraints;
+  constraints.x_N_min = constraints.x_N_max = VectorXd::Zero(1);
+  rows.set(constraints);
+  ActiveRows active(rows);
+  active.prepare();
+  active.release();
+  REQUIRE(rows.count() == 1);
+  for (const double multiplier : {-1e6, 1e6}) {
+    const auto made =
+        active.correct(VectorXd::Zero(1), VectorXd::Constant(1, multiplier), VectorXd::Ones(1));
+    CHECK(made.all() == 0);
+    CHECK(active[0] == Held::kEquality);
+  }
+}
