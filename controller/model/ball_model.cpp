@@ -149,7 +149,7 @@ void separate(double touching, const Eigen::Vector3d& away, const scene::Effecto
 
 namespace {
 
-Layout rolling_ball_layout() {
+Layout rolling_ball_layout(const BallModelParameters& parameters) {
   Layout layout;
   layout.n_x = L::n_x;
   layout.n_v = kVelocities;
@@ -167,13 +167,18 @@ Layout rolling_ball_layout() {
   layout.effector_v = kVelocityEndEffector;
   layout.contacts = {{"end_effector_ball", "end_effector", {ContactPair::kEndEffector, 0}},
                      {"ball_table", "table", {0, ContactPair::kTable}}};
+  layout.world.effector.radius = parameters.end_effector_radius;
+  layout.world.table_height = parameters.table_height;
+  layout.world.body_count = 1;
+  layout.world.body(0).name = "ball";
+  layout.world.body(0).shape = scene::Shape::sphere(parameters.ball_radius);
   return layout;
 }
 
 class RollingBall final : public PlanningModel {
  public:
   explicit RollingBall(const BallModelParameters& parameters)
-      : PlanningModel(rolling_ball_layout()), parameters_(parameters) {}
+      : PlanningModel(rolling_ball_layout(parameters)), parameters_(parameters) {}
 
   void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
     x = ball_state(scene);

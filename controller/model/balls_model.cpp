@@ -123,7 +123,8 @@ ContactSystem balls_contact_system(const BallsModelParameters& parameters,
 
 namespace {
 
-Layout rolling_balls_layout(int balls) {
+Layout rolling_balls_layout(const BallsModelParameters& parameters) {
+  const int balls = static_cast<int>(parameters.balls.size());
   const BallsLayout order{balls};
   Layout layout;
   layout.n_x = order.n_x();
@@ -142,14 +143,21 @@ Layout rolling_balls_layout(int balls) {
     layout.contacts.push_back({end_effector ? "end_effector_ball" : "ball_ball",
                                end_effector ? "end_effector" : "balls", pair});
   }
+  layout.world.effector.radius = parameters.end_effector_radius;
+  layout.world.table_height = parameters.table_height;
+  layout.world.body_count = balls;
+  for (int i = 0; i < balls; ++i) {
+    scene::Body& ball = layout.world.body(i);
+    ball.name = ("ball " + std::to_string(i)).c_str();
+    ball.shape = scene::Shape::sphere(parameters.balls[static_cast<std::size_t>(i)].radius);
+  }
   return layout;
 }
 
 class RollingBalls final : public PlanningModel {
  public:
   explicit RollingBalls(const BallsModelParameters& parameters)
-      : PlanningModel(rolling_balls_layout(static_cast<int>(parameters.balls.size()))),
-        parameters_(parameters) {}
+      : PlanningModel(rolling_balls_layout(parameters)), parameters_(parameters) {}
 
   void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
     const BallsLayout order{static_cast<int>(parameters_.balls.size())};

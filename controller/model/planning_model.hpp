@@ -39,6 +39,8 @@ struct Layout {
   int p_WE = 0, v_WE = 0;  // where the end effector's position and velocity begin in x, in W
   int effector_v = 0;      // and where its velocity begins in v
   std::vector<ModelContact> contacts;  // all that the model can have
+  // the bodies' names and shapes, the end effector's radius and the table; not where they are
+  scene::Scene world;
 
   int n_c() const noexcept { return static_cast<int>(contacts.size()); }
   /// Names of the blocks that carry weights, each once, in their order.
@@ -58,6 +60,12 @@ class PlanningModel {
   /// The state of the scene's end effector and bodies.
   /// @param x (n_x) is overwritten
   virtual void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const = 0;
+  /// The state of a scene in the coordinates of the model about another one, where the model has
+  /// coordinates of its own for each: a rotation from the orientation there.
+  virtual void state_about(const scene::Scene& scene, const scene::Scene& /*about*/,
+                           Eigen::Ref<Eigen::VectorXd> x) const {
+    state(scene, x);
+  }
 
   /// The multi-contact model at this scene.
   /// @param contacts indices into layout().contacts, in the order of λ

@@ -4,6 +4,7 @@
 
 #include "controller/model/ball_model.hpp"
 #include "controller/model/balls_model.hpp"
+#include "controller/model/pushed_box.hpp"
 
 namespace c3rt::model {
 
@@ -15,7 +16,8 @@ double ModelValues::operator[](const std::string& key) const {
 }
 
 const std::vector<ModelKind>& model_kinds() {
-  static const std::vector<ModelKind> kinds{rolling_ball_kind(), rolling_balls_kind()};
+  static const std::vector<ModelKind> kinds{rolling_ball_kind(), rolling_balls_kind(),
+                                            pushed_box_kind()};
   return kinds;
 }
 
