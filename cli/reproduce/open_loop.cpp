@@ -9,8 +9,8 @@
 #include "controller/horizon/modes.hpp"
 #include "controller/horizon/search.hpp"
 #include "controller/lcs/simulate.hpp"
-#include "controller/planner/c3_step.hpp"
-#include "controller/planner/heuristic.hpp"
+#include "controller/planner/c3_controller.hpp"
+#include "controller/planner/strategy/heuristic.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -47,6 +47,15 @@ Posed pose(const Question& question, const planner::Parameters& parameters) {
   }
   return posed;
 }
+
+/// The costs of Phase I and II.
+struct PhaseCosts {
+  int roll, back;
+  PhaseCosts(planner::C3Controller& c3, const planner::Parameters& parameters)
+      : roll(c3.add_costs(planner::costs_of(c3.problem(), parameters.roll))),
+        back(c3.add_costs(planner::costs_of(c3.problem(), parameters.back))) {}
+  int of(const Question& question) const { return question.rolling ? roll : back; }
+};
 
 /// Points the problem at the data beside it, wherever that has been moved to.
 const horizon::Problem& linked(Posed& posed) {
@@ -134,14 +143,15 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
 
 Answers answer_with_c3(const std::vector<Question>& questions, const config::Scenario& scenario,
                        const config::Scenario& judge) {
-  planner::C3Step step(scenario.planner);
+  planner::C3Controller step(scenario.planner);
+  const PhaseCosts costs(step, scenario.planner);
   Answers answers;
   for (const Question& question : questions) {
     for (int k = 0; k <= scenario.planner.N; ++k)
-      step.want(k, question.desired[static_cast<std::size_t>(k)]);
+      step.want(k, question.desired[static_cast<std::size_t>(k)], question.scene);
     const double began = seconds_now();
     const planner::StepStatus status =
-        step.step(question.scene, question.rolling, 0, 1.0 / scenario.planner.rate, {});
+        step.step(question.scene, costs.of(question), 1.0 / scenario.planner.rate, {});
     answers.times.push_back(seconds_now() - began);
     answers.costs.push_back(kNone);
     if (status == planner::StepStatus::kFailed) continue;
@@ -157,7 +167,8 @@ Answers answer_with_c3(const std::vector<Question>& questions, const config::Sce
 MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
                                     const config::Scenario& judge, double limit,
                                     const Context& context) {
-  planner::C3Step step(judge.planner);
+  planner::C3Controller step(judge.planner);
+  const PhaseCosts phase_costs(step, judge.planner);
   MonolithicAnswers answers;
   Progress progress("(15)");
   for (const Question& question : questions) {
@@ -168,11 +179,11 @@ MonolithicAnswers answer_monolithic(const std::vector<Question>& questions,
     Posed posed = pose(question, judge.planner);
     const horizon::Problem& problem = linked(posed);
     for (int k = 0; k <= judge.planner.N; ++k)
-      step.want(k, question.desired[static_cast<std::size_t>(k)]);
+      step.want(k, question.desired[static_cast<std::size_t>(k)], question.scene);
     const double began = seconds_now();
     // the modes that C3's inputs lead to are a first answer
     std::optional<horizon::Plan> known;
-    if (step.step(question.scene, question.rolling, 0, 1.0 / judge.planner.rate, {}) !=
+    if (step.step(question.scene, phase_costs.of(question), 1.0 / judge.planner.rate, {}) !=
         planner::StepStatus::kFailed) {
       const Eigen::MatrixXd u =
           step.result().solution->z.bottomRows(problem.sizes.n_u).leftCols(problem.sizes.N);

@@ -1,7 +1,8 @@
 #include "controller/planner/load_parameters.hpp"
 
 #include "controller/c3/load_settings.hpp"
-#include "controller/planner/c3_step.hpp"
+#include "controller/planner/c3_controller.hpp"
+#include "controller/planner/strategy/registry.hpp"
 
 namespace c3rt::planner {
 namespace {
@@ -137,6 +138,58 @@ DisturbanceParameters load_disturbance(config::Section section) {
   return disturbance;
 }
 
+PhaseWeights load_phase(config::Section& weights, const char* phase, const Parameters& parameters) {
+  const std::unique_ptr<model::PlanningModel> planned = make_model(parameters.model);
+  return load_weights(weights.section(phase), planned->layout(), parameters.c3.projection);
+}
+
+HeuristicParameters load_heuristic(config::Section heuristic, int bodies) {
+  HeuristicParameters parameters{};
+  parameters.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});
+  parameters.return_duration = heuristic.number("return_duration_s", {0.01, 60});
+  parameters.roll_clearance = heuristic.number("roll_clearance_m", {-0.05, 0.2});
+  parameters.return_back = heuristic.number("return_back_m", {0, 0.2});
+  parameters.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
+  const HeuristicParameters none{};
+  parameters.roll_press = heuristic.number("roll_press_n", {0, 20}, none.roll_press);
+  parameters.roll_reach = heuristic.number("roll_reach_m", {0.01, 1}, none.roll_reach);
+  parameters.return_gap = heuristic.number("return_gap_m", {1e-3, 1}, none.return_gap);
+  parameters.return_lead = heuristic.number("return_lead_s", {0, 1}, none.return_lead);
+  if (heuristic.has("return_follows"))
+    parameters.return_follows = heuristic.boolean("return_follows");
+  parameters.target_reach = heuristic.number("target_reach_m", {1e-3, 1}, none.target_reach);
+  if (bodies > 1) {
+    parameters.look_ahead = heuristic.number("look_ahead_s", {0, 10});
+    parameters.beside_weight = heuristic.number("beside_weight", {0, 100});
+    parameters.change_margin = heuristic.number("change_margin_m", {0, 1});
+    parameters.room_ahead = heuristic.number("room_ahead_m", {0, 1});
+  }
+  return parameters;
+}
+
+/// By name: of a strategy that is not chosen the sections may be left out.
+void load_strategy(config::Section& section, Parameters& parameters) {
+  if (section.has("strategy")) {
+    std::vector<std::string> names;
+    for (const StrategyKind& kind : strategy_kinds()) names.push_back(kind.name);
+    parameters.strategy = names[static_cast<std::size_t>(section.choice("strategy", names))];
+  }
+  const bool heuristic = parameters.strategy == "time_heuristic";
+  const scene::Scene world = make_model(parameters.model)->layout().world;
+  if (heuristic && world.body(0).shape.kind != scene::ShapeKind::kSphere)
+    section.fail(
+        "strategy",
+        "one that knows other bodies than spheres, as a " + parameters.model.kind + " is none",
+        "time_heuristic");
+  if (section.given("weights", heuristic, "strategy time_heuristic")) {
+    config::Section weights = section.section("weights");
+    parameters.roll = load_phase(weights, "roll", parameters);
+    parameters.back = load_phase(weights, "return", parameters);
+  }
+  if (section.given("heuristic", heuristic, "strategy time_heuristic"))
+    parameters.heuristic = load_heuristic(section.section("heuristic"), parameters.model.bodies);
+}
+
 }  // namespace
 
 Parameters load_parameters(config::Section section, const task::Task& task, int balls) {
@@ -162,43 +215,13 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
 
   config::Section model = section.section("model");
   parameters.model = load_model(model, balls);
-  const model::ModelValues& values = parameters.model.values;
-  parameters.geometry = {values["end_effector_radius_m"], values["ball_radius_m"],
-                         values["table_height_m"]};
+  const scene::Scene world = make_model(parameters.model)->layout().world;
+  parameters.geometry = {world.effector.radius, world.body(0).shape.radius, world.table_height};
 
   parameters.c3 = c3::load_settings(section.section("c3"));
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
 
-  config::Section weights = section.section("weights");
-  const std::unique_ptr<model::PlanningModel> planned = make_model(parameters.model);
-  const auto weights_of = [&](const char* phase) {
-    return load_weights(weights.section(phase), planned->layout(), parameters.c3.projection);
-  };
-  parameters.roll = weights_of("roll");
-  parameters.back = weights_of("return");
-
-  config::Section heuristic = section.section("heuristic");
-  parameters.heuristic.roll_duration = heuristic.number("roll_duration_s", {0.01, 60});
-  parameters.heuristic.return_duration = heuristic.number("return_duration_s", {0.01, 60});
-  parameters.heuristic.roll_clearance = heuristic.number("roll_clearance_m", {-0.05, 0.2});
-  parameters.heuristic.return_back = heuristic.number("return_back_m", {0, 0.2});
-  parameters.heuristic.return_heights = heuristic.numbers("return_heights_m", 3, {0, 0.5});
-  const HeuristicParameters none{};
-  parameters.heuristic.roll_press = heuristic.number("roll_press_n", {0, 20}, none.roll_press);
-  parameters.heuristic.roll_reach = heuristic.number("roll_reach_m", {0.01, 1}, none.roll_reach);
-  parameters.heuristic.return_gap = heuristic.number("return_gap_m", {1e-3, 1}, none.return_gap);
-  parameters.heuristic.return_lead = heuristic.number("return_lead_s", {0, 1}, none.return_lead);
-  if (heuristic.has("return_follows"))
-    parameters.heuristic.return_follows = heuristic.boolean("return_follows");
-  parameters.heuristic.target_reach =
-      heuristic.number("target_reach_m", {1e-3, 1}, none.target_reach);
-
-  if (balls > 1) {
-    parameters.heuristic.look_ahead = heuristic.number("look_ahead_s", {0, 10});
-    parameters.heuristic.beside_weight = heuristic.number("beside_weight", {0, 100});
-    parameters.heuristic.change_margin = heuristic.number("change_margin_m", {0, 1});
-    parameters.heuristic.room_ahead = heuristic.number("room_ahead_m", {0, 1});
-  }
+  load_strategy(section, parameters);
 
   config::Section approach = section.section("approach");
   parameters.approach.speed = approach.number("speed_m_per_s", {0.001, 1});

@@ -103,9 +103,11 @@ struct Parameters {
   double estimate_timeout;   // a ball estimate older than this counts as lost [s]
   double deadline_fraction;  // of the period, realtime only
   int N;
-  double dt;  // planning step Δt [s]
+  double dt;                 // planning step Δt [s]
+  bool scale_forces = true;  // G and U act on scaled forces (docs/math.md), else on physical ones
   ModelParameters model;
   Geometry geometry;
+  std::string strategy = "time_heuristic";  // of strategy_kinds()
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;

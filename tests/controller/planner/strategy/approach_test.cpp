@@ -1,4 +1,4 @@
-#include "controller/planner/approach.hpp"
+#include "controller/planner/strategy/approach.hpp"
 
 #include <algorithm>
 #include <cmath>

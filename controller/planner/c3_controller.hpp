@@ -1,5 +1,5 @@
 #pragma once
-// Algorithm 3, steps 2 to 5: from x̂ and what is wanted of it to (x_d, λ_d).
+// Algorithm 3, steps 2 to 5, of any planning model: from x̂ and what is wanted of it to (x_d, λ_d).
 #include <memory>
 #include <vector>
 
@@ -36,39 +36,53 @@ std::unique_ptr<model::PlanningModel> make_model(const ModelParameters& paramete
 PlanningProblem planning_problem(const model::PlanningModel& model,
                                  const ModelParameters& parameters);
 
-class C3Step {
+class C3Controller {
  public:
-  /// @throws std::invalid_argument or std::out_of_range if weights or sizes cannot be used (named)
-  explicit C3Step(const Parameters& parameters);
+  /// @throws std::invalid_argument if sizes or settings cannot be used (named)
+  explicit C3Controller(const Parameters& parameters);
+  /// The same with another model than the one that the parameters name.
+  C3Controller(const Parameters& parameters, std::unique_ptr<model::PlanningModel> model);
 
   int n_x() const noexcept { return model_->layout().n_x; }
   int n_u() const noexcept { return model_->layout().n_u; }
   int n_lambda() const noexcept { return problem_.lambda().size(); }  // of the planning system
   int n_lambda_d() const noexcept { return lemke_.size(); }           // of the step over Δt_c
+  const model::PlanningModel& model() const noexcept { return *model_; }
+  const PlanningProblem& problem() const noexcept { return problem_; }
 
-  /// What is wanted at a stage 0 … N of the horizon.
-  void want(int stage, const scene::Scene& desired) noexcept {
-    model_->state(desired, x_desired_.col(stage));
+  /// Costs that steps may use. @return by which they are named
+  /// @throws std::invalid_argument if they cannot be used (named)
+  int add_costs(const c3::Costs& costs);
+  /// Others in their place, say as a goal comes near.
+  /// @throws std::invalid_argument if they cannot be used (named); then the old ones stay
+  void replace_costs(int name, const c3::Costs& costs);
+
+  /// What is wanted at a stage 0 … N of the horizon of a plan from x̂.
+  void want(int stage, const scene::Scene& desired, const scene::Scene& x_hat) {
+    model_->state_about(desired, x_hat, x_desired_.col(stage));
   }
 
-  /// @param rolling Phase I of the heuristic, else Phase II: whose weights hold
-  /// @param active the body that is worked on: the first of the weights per body is its
-  StepStatus step(const scene::Scene& x_hat, bool rolling, int active, double delta_t_c,
-                  const c3::Deadline& deadline) noexcept;
+  /// Steps 2 and 3: the plan from x̂, of which result() has the solution. A strategy that compares
+  /// several places of the end effector asks for one plan each.
+  StepStatus plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline);
+  /// Steps 2 to 5.
+  StepStatus step(const scene::Scene& x_hat, int costs, double delta_t_c,
+                  const c3::Deadline& deadline);
 
   const StepResult& result() const noexcept { return result_; }
 
  private:
-  void use(const c3::Costs& costs);
+  void use(int costs);
 
   double dt_;
+  bool scale_forces_;
   double force_unit_;  // of the model's forces [N]
   double size_ratio_;
   std::unique_ptr<model::PlanningModel> model_;
   PlanningProblem problem_;
   std::vector<int> all_contacts_;
-  std::vector<c3::Costs> roll_, back_;  // by the body that is worked on
-  const c3::Costs* in_use_ = nullptr;
+  std::vector<c3::Costs> costs_;
+  int in_use_ = -1;  // of them; negative: none yet
   c3::Solver solver_;
   lcs::Lemke lemke_;
   Eigen::MatrixXd x_desired_;

@@ -1,4 +1,4 @@
-#include "controller/planner/c3_step.hpp"
+#include "controller/planner/c3_controller.hpp"
 
 #include "controller/lcs/lcs.hpp"
 #include "controller/lcs/step.hpp"
@@ -27,11 +27,16 @@ PlanningProblem planning_problem(const model::PlanningModel& model,
   return problem;
 }
 
-C3Step::C3Step(const Parameters& parameters)
+C3Controller::C3Controller(const Parameters& parameters)
+    : C3Controller(parameters, make_model(parameters.model)) {}
+
+C3Controller::C3Controller(const Parameters& parameters,
+                           std::unique_ptr<model::PlanningModel> model)
     : dt_(parameters.dt),
+      scale_forces_(parameters.scale_forces),
       force_unit_(parameters.model.force_unit),
       size_ratio_(parameters.model.size_ratio),
-      model_(make_model(parameters.model)),
+      model_(std::move(model)),
       problem_(planning_problem(*model_, parameters.model)),
       all_contacts_(model::all_contacts(model_->layout())),
       solver_({n_x(), n_lambda(), n_u(), parameters.N}, parameters.c3),
@@ -42,22 +47,28 @@ C3Step::C3Step(const Parameters& parameters)
       x_next_(n_x()) {
   result_.lambda_d = Eigen::VectorXd::Zero(lemke_.size());
   result_.input_scale = force_unit_;
-  for (int active = 0; active < parameters.model.bodies; ++active) {
-    roll_.push_back(costs_of(problem_, parameters.roll, active));
-    back_.push_back(costs_of(problem_, parameters.back, active));
-  }
-  // refuses unusable weights at the start, not in the loop
-  use(back_[0]);
-  use(roll_[0]);
 }
 
-void C3Step::use(const c3::Costs& costs) {
-  if (&costs != in_use_) solver_.set_costs(costs);
-  in_use_ = &costs;
+int C3Controller::add_costs(const c3::Costs& costs) {
+  solver_.set_costs(costs);
+  costs_.push_back(costs);
+  in_use_ = static_cast<int>(costs_.size()) - 1;
+  return in_use_;
 }
 
-StepStatus C3Step::step(const scene::Scene& x_hat, bool rolling, int active, double delta_t_c,
-                        const c3::Deadline& deadline) noexcept {
+void C3Controller::replace_costs(int name, const c3::Costs& costs) {
+  in_use_ = -1;  // where the next line throws, none are
+  solver_.set_costs(costs);
+  costs_.at(static_cast<std::size_t>(name)) = costs;
+  in_use_ = name;
+}
+
+void C3Controller::use(int costs) {
+  if (costs != in_use_) solver_.set_costs(costs_.at(static_cast<std::size_t>(costs)));
+  in_use_ = costs;
+}
+
+StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline) {
   // step 2: the LCS about x̂
   model_->state(x_hat, x_hat_);
   lcs::Lcs planning =
@@ -65,29 +76,35 @@ StepStatus C3Step::step(const scene::Scene& x_hat, bool rolling, int active, dou
   result_.solution = nullptr;
   const std::optional<double> of_model = lcs::find_force_scale(planning);
   if (!of_model) return StepStatus::kFailed;
-  const double scale = *of_model / (size_ratio_ * size_ratio_);
-  lcs::scale_forces(planning, scale);
+  const double scale = scale_forces_ ? *of_model / (size_ratio_ * size_ratio_) : 1.0;
+  if (scale_forces_) lcs::scale_forces(planning, scale);
   result_.force_scale = force_unit_ * model::newtons(problem_.contact_model, scale, dt_);
 
   // step 3: Algorithm 1
-  use((rolling ? roll_ : back_)[static_cast<std::size_t>(active)]);
+  use(costs);
   const c3::Solution& solution = solver_.solve(planning, x_hat_, x_desired_, deadline);
   result_.solution = &solution;
   if (solution.status == c3::SolveStatus::kFailed) return StepStatus::kFailed;
+  result_.u_c3 = force_unit_ * solution.u_0();
+  return solution.status == c3::SolveStatus::kTruncated ? StepStatus::kTruncated : StepStatus::kOk;
+}
 
+StepStatus C3Controller::step(const scene::Scene& x_hat, int costs, double delta_t_c,
+                              const c3::Deadline& deadline) {
+  const StepStatus planned = plan(x_hat, costs, deadline);
+  if (planned == StepStatus::kFailed) return planned;
   // step 5: (x_d, λ_d) = L_Δt_c(x̂, u_C3)
-  result_.u_c3 = solution.u_0();
   const model::ContactSystem all = model_->contact_system(x_hat, all_contacts_);
   const lcs::Lcs stepping = model::stewart_trinkle(all, delta_t_c);
-  if (!lcs::step(stepping, x_hat_, result_.u_c3, lemke_, x_next_, result_.lambda_d).ok())
+  const Eigen::VectorXd u = result_.solution->u_0();
+  if (!lcs::step(stepping, x_hat_, u, lemke_, x_next_, result_.lambda_d).ok())
     return StepStatus::kNoStep;
   result_.lambda_d *= force_unit_;
-  result_.u_c3 *= force_unit_;
   const model::Layout& layout = model_->layout();
   result_.p_WE = x_next_.segment<3>(layout.p_WE);
   result_.v_WE = x_next_.segment<3>(layout.v_WE);
   result_.force_E = model::force_on_end_effector(layout, all, result_.lambda_d);
-  return solution.status == c3::SolveStatus::kTruncated ? StepStatus::kTruncated : StepStatus::kOk;
+  return planned;
 }
 
 }  // namespace c3rt::planner

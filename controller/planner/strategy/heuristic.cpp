@@ -1,4 +1,4 @@
-#include "controller/planner/heuristic.hpp"
+#include "controller/planner/strategy/heuristic.hpp"
 
 #include <array>
 #include <cmath>

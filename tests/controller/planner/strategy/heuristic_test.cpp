@@ -1,11 +1,11 @@
-#include "controller/planner/heuristic.hpp"
+#include "controller/planner/strategy/heuristic.hpp"
 
 #include <cmath>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "controller/planner/planner.hpp"
+#include "controller/planner/strategy/time_heuristic.hpp"
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 
@@ -54,7 +54,7 @@ TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
 
 TEST_CASE("planner mode: what comes next in every situation") {
   const auto situation = [](bool state, bool ball, bool hold, bool reached, bool returning) {
-    Situation known{};
+    Known known{};
     known.state_fresh = state;
     known.balls_at_hand = ball;
     known.hold_requested = hold;
@@ -76,20 +76,20 @@ TEST_CASE("planner mode: what comes next in every situation") {
   CHECK(next(Mode::kReturn, situation(true, true, false, false, false)) == Mode::kRoll);
   CHECK(next(Mode::kRoll, situation(true, true, false, false, true)) == Mode::kReturn);
   // to another ball through the air
-  Situation other = situation(true, true, false, false, true);
+  Known other = situation(true, true, false, false, true);
   other.other_ball = true;
   CHECK(next(Mode::kRoll, other) == Mode::kApproach);
   other.balls_at_hand = false;
   CHECK(next(Mode::kRoll, other) == Mode::kHold);
   // a ball is brought to rest before the end effector leaves it
-  Situation rest = situation(true, true, false, false, false);
+  Known rest = situation(true, true, false, false, false);
   rest.rest_wanted = true;
   CHECK(next(Mode::kRoll, rest) == Mode::kRest);
   CHECK(next(Mode::kRest, rest) == Mode::kRest);
   rest.ball_left = true;
   CHECK(next(Mode::kRest, rest) == Mode::kHold);
   // where the robot did not follow, what was going on is over
-  Situation left = situation(true, true, false, false, false);
+  Known left = situation(true, true, false, false, false);
   left.robot_left = true;
   CHECK(next(Mode::kRoll, left) == Mode::kApproach);
   CHECK(next(Mode::kRest, left) == Mode::kApproach);

@@ -1,4 +1,4 @@
-#include "controller/planner/rest.hpp"
+#include "controller/planner/strategy/rest.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,31 @@
+#pragma once
+// What the planner answers in one period.
+#include <Eigen/Geometry>
+
+#include "controller/planner/activity.hpp"
+
+namespace c3rt::planner {
+
+enum class PlanStatus { kOk, kTruncated, kFallback };
+
+struct Plan {
+  PlanStatus status;
+  Mode mode;
+  Eigen::Vector3d p_WE, v_WE;  // x_d of the end effector
+  Eigen::Quaterniond q_WE;
+  // λ_d as the contacts' force on the end effector, and the strategy's bias, in W [N]
+  Eigen::Vector3d force_E;
+  int ball;                     // that the strategy works on
+  Eigen::Vector3d ball_target;  // its x_d^b
+  double delta_t_c;             // [s]
+  Eigen::Vector3d u_c3;         // [N]
+  Eigen::VectorXd lambda_d;     // of the step over Δt_c, with every contact [N]
+  Eigen::MatrixXd x;            // (n_x × N) predicted
+  Eigen::MatrixXd lambda;       // of the planning system (n_lambda × N) [N]
+  Eigen::MatrixXd u;            // (n_u × N) [N]
+  int admm_iterations;
+  Eigen::VectorXd primal_residual;  // (admm_iterations)
+  double complementarity_violation;
+};
+
+}  // namespace c3rt::planner

@@ -1,0 +1,58 @@
+#pragma once
+// What a strategy is asked in each period, and what it decides: whether C3 plans or the end
+// effector moves on its own, and what is wanted of either.
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "controller/planner/availability.hpp"
+#include "controller/planner/c3_controller.hpp"
+#include "controller/planner/input.hpp"
+
+namespace c3rt::planner {
+
+/// What a strategy decides from, in one period.
+struct Situation {
+  const Input* input;      // now, and what a client wants
+  double period;           // since the last one [s]
+  bool interrupted;        // there was none for a while: what was going on is over
+  bool robot_left;         // the robot has not followed for a while: the same
+  Availability available;  // what of the input can be used
+  scene::Scene scene;      // at the time of the arm's state
+};
+
+/// What it decides. Of a period in which nothing about a member is decided it stays as it was.
+struct Decision {
+  Mode mode = Mode::kWait;
+  Cause cause = Cause::kNone;  // of the strategy's own, why it holds
+  int body = 0;                // that is worked on
+  bool body_lost = false;      // C3 had to leave its work, as a body was lost
+  Eigen::Vector3d body_target = Eigen::Vector3d::Zero();  // where it should be, in W [m]
+
+  bool plans_with_c3 = false;
+  // where C3 does not plan: the end effector's reference, and a force on top [N]
+  Eigen::Vector3d p_WE = Eigen::Vector3d::Zero(), v_WE = Eigen::Vector3d::Zero();
+  // and where it does, a force on top of λ_d [N]
+  Eigen::Vector3d force_bias = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WE{0.0, 1.0, 0.0, 0.0};  // the tool points down
+
+  // of C3: Algorithm 3, step 1
+  scene::Scene x_hat;
+  double raised = 0.0;                // x̂ is this much lower than what it stands for [m]
+  std::vector<scene::Scene> desired;  // at stages 0 … N
+  int costs = 0;                      // of C3Controller::add_costs
+};
+
+/// A strategy is made once, with all the room that it needs, from the scenario's parameters and the
+/// controller, to which it adds its costs.
+class Strategy {
+ public:
+  virtual ~Strategy() = default;
+  /// Forgets whatever happened before.
+  virtual void reset() = 0;
+  /// One period. @param c3 for one that compares plans: what it wants of the last of them is lost
+  /// when the planner asks for the decided one
+  virtual const Decision& decide(const Situation& situation, C3Controller& c3) = 0;
+};
+
+}  // namespace c3rt::planner

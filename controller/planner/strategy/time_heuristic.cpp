@@ -1,0 +1,364 @@
+#include "controller/planner/strategy/time_heuristic.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/model/ball_model.hpp"
+#include "controller/task/circle.hpp"
+
+namespace c3rt::planner {
+namespace {
+
+constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
+// When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
+constexpr double kOnBallGap = 1.5e-3;
+constexpr double kOnBallBeside = 0.025 / 0.0315;  // of its radius
+constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
+constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
+// A ball that stops this near to its point is carried there [m]
+constexpr double kNearPoint = 0.01;
+constexpr double kAstray = 6e-3;     // and one that is farther away than this [m]
+constexpr double kAstrayTime = 0.3;  // for this long is brought back [s]
+
+// The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
+Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
+  const Eigen::Quaterniond down(0.0, 1.0, 0.0, 0.0);
+  if (tilt == 0.0 || e.norm() < 1e-9) return down;
+  const Eigen::Vector2d direction = e.normalized();
+  return Eigen::AngleAxisd(tilt, Eigen::Vector3d(direction.y(), -direction.x(), 0.0)) * down;
+}
+
+// No farther away than a pace.
+Eigen::Vector2d paced(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double pace) {
+  const Eigen::Vector2d way = to - from;
+  if (way.norm() <= pace) return to;
+  return from + pace * way.normalized();
+}
+
+// How far a ball that nobody touches gets in a time.
+Eigen::Vector2d rolled_on(const scene::Body& ball, double time) {
+  return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
+}
+
+bool in_c3(Mode mode) { return mode == Mode::kRoll || mode == Mode::kReturn; }
+
+}  // namespace
+
+Mode next(Mode mode, const Known& known) {
+  if (!known.state_fresh) return Mode::kWait;
+  if (known.hold_requested) return Mode::kHold;
+  if (mode == Mode::kRest && known.ball_left) return Mode::kHold;
+  if (known.rest_wanted) return Mode::kRest;
+  if (!known.balls_at_hand) return Mode::kHold;
+  switch (mode) {
+    case Mode::kWait:
+    case Mode::kHold:
+      return Mode::kApproach;
+    case Mode::kRest:
+      return known.robot_left ? Mode::kApproach : Mode::kReturn;
+    case Mode::kApproach:
+      return known.start_pose_reached ? Mode::kReturn : Mode::kApproach;
+    case Mode::kRoll:
+    case Mode::kReturn:
+      if (known.other_ball || known.robot_left) return Mode::kApproach;
+      return known.returning ? Mode::kReturn : Mode::kRoll;
+  }
+  return Mode::kHold;
+}
+
+TimeHeuristicState::TimeHeuristicState(const Parameters& parameters)
+    : approach(parameters.approach, parameters.geometry.table_height),
+      rest(parameters.geometry, parameters.approach.leash) {}
+
+TimeHeuristic::TimeHeuristic(const Parameters& parameters, C3Controller& c3)
+    : parameters_(parameters), state_(parameters) {
+  for (int active = 0; active < parameters.model.bodies; ++active) {
+    back_.push_back(c3.add_costs(costs_of(c3.problem(), parameters.back, active)));
+    roll_.push_back(c3.add_costs(costs_of(c3.problem(), parameters.roll, active)));
+  }
+  reset();
+}
+
+void TimeHeuristic::reset() {
+  state_ = TimeHeuristicState(parameters_);
+  decision_ = {};
+  decision_.desired.resize(static_cast<std::size_t>(parameters_.N) + 1);
+}
+
+const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
+  const Input& input = *now.input;
+  const bool was_in_c3 = in_c3(state_.mode);
+  advance_phase(input.now, now.scene, was_in_c3 && state_.c3_since >= 0.0);
+  Known known{};
+  known.state_fresh = now.available.state();
+  known.balls_at_hand = now.available.all();
+  known.robot_left = now.robot_left;
+  known.start_pose_reached = state_.approach.settled(input.now);
+  known.returning = state_.phase != Phase::kRoll;
+  // one ball for a whole cycle: half-way to another one nothing is gained
+  const int worked = state_.ball;
+  const bool cycle_ended = state_.mode == Mode::kRoll && state_.phase != Phase::kRoll;
+  const bool stopping = std::holds_alternative<HoldTarget>(input.target);
+  if (known.balls_at_hand && !stopping &&
+      (state_.mode == Mode::kWait || state_.mode == Mode::kHold || cycle_ended))
+    state_.ball = ball_to_work_on(parameters_.heuristic, parameters_.task, now.scene, state_.ball);
+  known.other_ball = was_in_c3 && state_.ball != worked;
+  decide_rest(now, known);
+
+  const Mode previous = state_.mode;
+  state_.mode = next(state_.mode, known);
+  decision_.body_lost = false;
+  if (state_.mode != previous || now.interrupted) {
+    if (state_.mode == Mode::kApproach || state_.mode == Mode::kHold)
+      state_.approach.begin(input.effector.p_WE);
+    if (state_.mode == Mode::kRest) state_.rest.begin(rest_input(now));
+    if (!was_in_c3 && state_.mode == Mode::kReturn) {
+      state_.c3_since = input.now;
+      state_.phase = phase_at(parameters_.heuristic, 0.0);
+      if (state_.task_since < 0.0) state_.task_since = input.now;
+    }
+    decision_.body_lost = was_in_c3 && !known.balls_at_hand;
+  }
+
+  decision_.mode = state_.mode;
+  decision_.body = state_.ball;
+  decision_.cause = cause(input);
+  decision_.plans_with_c3 = in_c3(state_.mode);
+  decision_.force_bias.setZero();
+  if (decision_.plans_with_c3) {
+    move_with_c3(now);
+  } else {
+    move_without_c3(now);
+  }
+  return decision_;
+}
+
+void TimeHeuristic::move_without_c3(const Situation& now) {
+  const Input& input = *now.input;
+  const ApproachInput way{input.now, now.period, input.effector.p_WE, input.robot_follows};
+  decision_.q_WE = tool_orientation(0.0, Eigen::Vector2d::Zero());
+  decision_.v_WE.setZero();
+  switch (state_.mode) {
+    case Mode::kRest:
+      state_.rest.step(rest_input(now));
+      decision_.p_WE = state_.rest.reference();
+      decision_.v_WE = state_.rest.velocity();
+      decision_.force_bias.z() = state_.rest.press();
+      break;
+    case Mode::kHold:
+      state_.approach.out_of_the_way(way);
+      decision_.p_WE = state_.approach.reference();
+      break;
+    case Mode::kApproach: {
+      const Eigen::Vector3d& p_WB = input.bodies[static_cast<std::size_t>(state_.ball)].body.p_WB;
+      state_.approach.to_ball(way, p_WB);
+      decision_.p_WE = state_.approach.reference();
+      decision_.v_WE = state_.approach.velocity();
+      decision_.body_target << target(input, 0.0, now.scene, state_.ball), p_WB.z();
+      break;
+    }
+    case Mode::kWait:
+    case Mode::kRoll:
+    case Mode::kReturn:
+      break;
+  }
+}
+
+void TimeHeuristic::move_with_c3(const Situation& now) {
+  const Input& input = *now.input;
+  decision_.x_hat = now.scene;
+  scene::Scene& x_hat = decision_.x_hat;
+  decision_.raised = parameters_.table_below_ball ? lowered(x_hat) : 0.0;
+  const scene::Scene seen = x_hat;
+  const Eigen::Vector2d target_now = target(input, 0.0, seen, state_.ball);
+  const Eigen::Vector2d e = target_now - x_hat.body(state_.ball).p_WB.head<2>();
+  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
+
+  // Algorithm 3, step 1: x̂
+  if (parameters_.separate_overlap) {
+    for (int i = 0; i < x_hat.body_count; ++i) {
+      scene::Body& ball = x_hat.body(i);
+      const Eigen::Vector2d way = target(input, 0.0, seen, i) - ball.p_WB.head<2>();
+      model::separate(parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius,
+                      Eigen::Vector3d(way.x(), way.y(), 0.0), x_hat.effector, ball);
+    }
+  }
+  const scene::Body& rolled = x_hat.body(state_.ball);
+  const bool rolling = state_.phase == Phase::kRoll;
+  const bool follows = !rolling && parameters_.heuristic.return_follows;
+  Eigen::Vector3d meeting = rolled.p_WB;
+  if (!rolling && !follows)
+    meeting.head<2>() += rolled_on(rolled, parameters_.heuristic.return_lead);
+  const Eigen::Vector3d drawn =
+      end_effector_target(parameters_.heuristic, parameters_.geometry, state_.phase,
+                          x_hat.effector.p_WE, meeting, target_now);
+
+  // what is wanted: the balls at their targets and the end effector where the heuristic draws it
+  for (int k = 0; k <= parameters_.N; ++k) {
+    const double ahead = k * parameters_.dt;
+    scene::Scene& desired = decision_.desired[static_cast<std::size_t>(k)];
+    desired.body_count = x_hat.body_count;
+    desired.effector.p_WE = drawn;
+    if (follows) {
+      desired.effector.p_WE.head<2>() +=
+          rolled_on(rolled, parameters_.heuristic.return_lead + ahead);
+    }
+    for (int i = 0; i < x_hat.body_count; ++i) {
+      scene::Body& ball = desired.body(i);
+      ball.p_WB << target(input, ahead, seen, i), ball_height;
+      const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
+                                    ? parameters_.task.velocity(elapsed(input), ahead)
+                                    : Eigen::Vector2d(Eigen::Vector2d::Zero());
+      ball.v_WB << v, 0.0;
+      // rolling without slipping
+      ball.omega_WB << -v.y() / parameters_.geometry.ball_radius,
+          v.x() / parameters_.geometry.ball_radius, 0.0;
+    }
+  }
+  decision_.body_target << target_now, ball_height;
+  decision_.q_WE = tool_orientation(parameters_.tilt, e);
+  decision_.costs = (rolling ? roll_ : back_)[static_cast<std::size_t>(state_.ball)];
+  // A plan that stands on the ball does not hold it: over a tenth of a millimetre of gap, which the
+  // cameras cannot tell from contact, no force acts.
+  if (rolling) decision_.force_bias.z() = parameters_.heuristic.roll_press;
+}
+
+Cause TimeHeuristic::cause(const Input& input) const {
+  if (std::holds_alternative<HoldTarget>(input.target))
+    return state_.not_brought_to_rest ? Cause::kNotBroughtToRest : Cause::kAsked;
+  return state_.delivered ? Cause::kAtTarget : Cause::kNone;
+}
+
+RestInput TimeHeuristic::rest_input(const Situation& now) const {
+  const Input& input = *now.input;
+  const scene::Body& ball = now.scene.body(state_.ball);
+  const auto* to = std::get_if<PointTarget>(&input.target);
+  return {input.now,
+          now.period,
+          input.effector.p_WE,
+          input.effector.v_WE,
+          in_view(parameters_, input.bodies[static_cast<std::size_t>(state_.ball)]),
+          ball.p_WB,
+          ball.v_WB,
+          to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
+}
+
+void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
+  const Input& input = *now.input;
+  TimeHeuristicState& s = state_;
+  const scene::Body& ball = now.scene.body(s.ball);
+  const bool seen = in_view(parameters_, input.bodies[static_cast<std::size_t>(s.ball)]);
+  // what is not seen is where it was: an end effector that stood on it still does
+  if (seen) {
+    const double gap = scene::gap(now.scene.effector, ball).distance;
+    const double beside = (now.scene.effector.p_WE - ball.p_WB).head<2>().norm();
+    s.on_ball = gap < kOnBallGap && beside < kOnBallBeside * parameters_.geometry.ball_radius;
+  }
+  const bool working = in_c3(s.mode) || s.mode == Mode::kRest;
+
+  const bool hold = std::holds_alternative<HoldTarget>(input.target);
+  if (!hold) {
+    s.stopping_since = -1.0;
+    s.not_brought_to_rest = false;
+  } else if (working && s.stopping_since < 0.0) {
+    s.stopping_since = input.now;
+  }
+  if (hold && working && input.now - s.stopping_since > kStoppingLimit)
+    s.not_brought_to_rest = true;
+
+  const auto* to = std::get_if<PointTarget>(&input.target);
+  bool delivers = false;
+  if (to == nullptr || (s.delivered && *s.delivered != to->point)) {
+    s.delivered.reset();
+  } else if (s.delivered) {
+    const bool astray = seen && (ball.p_WB.head<2>() - to->point).norm() > kAstray;
+    if (!astray) s.astray_since = input.now;
+    if (input.now - s.astray_since > kAstrayTime) s.delivered.reset();
+  }
+  if (to != nullptr && !s.delivered && known.balls_at_hand) {
+    const Eigen::Vector2d v = ball.v_WB.head<2>();
+    const Eigen::Vector2d stops = ball.p_WB.head<2>() + v * v.norm() / kStoppingRate;
+    delivers = s.mode == Mode::kRest || (stops - to->point).norm() < kNearPoint;
+  }
+
+  const Rest::Stage stage = s.rest.stage();
+  if (s.mode == Mode::kRest) {
+    known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
+    known.ball_left = stage == Rest::Stage::kLeft;
+  } else if (working) {
+    known.rest_wanted =
+        hold || delivers || (s.mode == Mode::kRoll && s.on_ball && !known.balls_at_hand);
+  } else {
+    known.rest_wanted = delivers && s.mode == Mode::kHold;  // it has crept away a little
+  }
+  const bool there = to != nullptr && seen && (ball.p_WB.head<2>() - to->point).norm() < kAstray;
+  if (known.ball_left && delivers && there) {
+    s.delivered = to->point;
+    s.astray_since = input.now;
+  }
+  known.hold_requested = input.stopped || (hold && (!working || s.not_brought_to_rest)) ||
+                         (s.delivered && s.mode == Mode::kHold);
+  if (known.robot_left) {
+    known.rest_wanted = false;
+    known.hold_requested = known.hold_requested || hold;
+  }
+}
+
+void TimeHeuristic::advance_phase(double now, const scene::Scene& scene, bool in_c3) {
+  TimeHeuristicState& s = state_;
+  s.phase = phase_at(parameters_.heuristic, in_c3 ? now - s.c3_since : 0.0);
+  if (!in_c3 || s.phase != Phase::kRoll) {
+    s.touched = false;
+    return;
+  }
+  const Eigen::Vector3d& p_WB = scene.body(s.ball).p_WB;
+  const double gap = scene::gap(scene.effector, scene.body(s.ball)).distance;
+  s.touched = s.touched || gap < 0.5 * parameters_.heuristic.return_gap;
+  const bool slipped_off =
+      (scene.effector.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
+  if ((s.touched && gap > parameters_.heuristic.return_gap) || slipped_off) {
+    s.c3_since = now;
+    s.phase = Phase::kReturnUp;
+  }
+}
+
+double TimeHeuristic::lowered(scene::Scene& scene) const {
+  const scene::Body& worked = scene.body(state_.ball);
+  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
+  double rise = worked.p_WB.z() - ball_height;
+  // A ball that is seen too high would be planned to hold the end effector up, and the press on it,
+  // some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
+  // much.
+  const double touching =
+      parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius;
+  const Eigen::Vector3d above = scene.effector.p_WE - worked.p_WB;
+  const double over_square = touching * touching - above.head<2>().squaredNorm();
+  if (over_square > 0.0 && above.z() > 0.0) {
+    const double overlap = std::sqrt(over_square) - above.z();
+    rise -= std::min(std::max(overlap, 0.0), kHeightDoubt);
+  }
+  scene.effector.p_WE.z() -= rise;
+  for (scene::Body& ball : scene.bodies) ball.p_WB.z() -= rise;
+  return rise;
+}
+
+Eigen::Vector2d TimeHeuristic::target(const Input& input, double ahead, const scene::Scene& scene,
+                                      int ball) const {
+  const Eigen::Vector2d at = scene.body(ball).p_WB.head<2>();
+  const double reach = parameters_.heuristic.target_reach;
+  if (const auto* circle = std::get_if<task::Circle>(&input.target))
+    return paced(at, circle->next(at), std::min(reach, kTargetPace));
+  if (const auto* point = std::get_if<PointTarget>(&input.target))
+    return paced(at, point->point, std::min(reach, kTargetPace));
+  return paced(at, parameters_.task.target(scene, ball, elapsed(input), ahead), reach);
+}
+
+double TimeHeuristic::elapsed(const Input& input) const {
+  return state_.task_since < 0.0 ? 0.0 : input.now - state_.task_since;
+}
+
+std::unique_ptr<Strategy> make_time_heuristic(const Parameters& parameters, C3Controller& c3) {
+  return std::make_unique<TimeHeuristic>(parameters, c3);
+}
+
+}  // namespace c3rt::planner

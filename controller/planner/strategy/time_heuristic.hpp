@@ -1,0 +1,81 @@
+#pragma once
+// The time-based heuristic of Figure 10 as a strategy: the approach, Phase I and II, and bringing a
+// body to rest.
+#include <memory>
+#include <optional>
+
+#include "controller/planner/strategy/approach.hpp"
+#include "controller/planner/strategy/heuristic.hpp"
+#include "controller/planner/strategy/rest.hpp"
+#include "controller/planner/strategy/strategy.hpp"
+
+namespace c3rt::planner {
+
+/// The mode logic alone, as a table: what comes next, given what is known.
+struct Known {
+  bool state_fresh;         // the robot's state is known
+  bool robot_left;          // it has not followed for a while: what was going on is over
+  bool balls_at_hand;       // of each a valid estimate younger than the timeout, within reach
+  bool hold_requested;      // a client asks to hold, and no ball has to be brought to rest for it
+  bool rest_wanted;         // the end effector is on a ball that is to lie still
+  bool ball_left;           // it has risen from a ball that lies still
+  bool start_pose_reached;  // the approach has settled above a ball
+  bool returning;           // Phase II of the heuristic
+  bool other_ball;          // a cycle has ended and the next one is another ball's
+};
+Mode next(Mode mode, const Known& known);
+
+/// All that the strategy remembers from period to period.
+struct TimeHeuristicState {
+  TimeHeuristicState(const Parameters& parameters);
+
+  Approach approach;  // and hold
+  Rest rest;
+  Mode mode = Mode::kWait;
+  Phase phase = Phase::kRoll;
+  int ball = 0;                      // that it works on
+  bool touched = false;              // in this Phase I
+  double c3_since = -1.0;            // the cycle began; negative: not yet [s]
+  double task_since = -1.0;          // C3 took over for the first time: the clock of a task in time
+  bool on_ball = false;              // the end effector touches it from above, when last seen
+  double stopping_since = -1.0;      // a rolling ball has to be brought to rest; negative: none [s]
+  bool not_brought_to_rest = false;  // within the time allowed
+  std::optional<Eigen::Vector2d> delivered;  // to this point of a client, in W [m]
+  double astray_since = -1.0;                // it has moved away from there; negative: not [s]
+};
+
+class TimeHeuristic final : public Strategy {
+ public:
+  /// @throws std::invalid_argument or std::out_of_range if weights cannot be used (named)
+  TimeHeuristic(const Parameters& parameters, C3Controller& c3);
+
+  void reset() override;
+  const Decision& decide(const Situation& situation, C3Controller& c3) override;
+
+ private:
+  /// What a client's target and the balls make of the situation: when a ball has to lie still.
+  void decide_rest(const Situation& now, Known& known);
+  /// The phase of the heuristic now; where the ball has run away its clock starts anew.
+  void advance_phase(double now, const scene::Scene& scene, bool in_c3);
+  void move_without_c3(const Situation& now);
+  /// Algorithm 3, step 1, and what is wanted at each stage.
+  void move_with_c3(const Situation& now);
+  /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
+  /// it [m]
+  double lowered(scene::Scene& scene) const;
+  Cause cause(const Input& input) const;
+  RestInput rest_input(const Situation& now) const;
+  /// x_d^b of a ball of the scene.
+  Eigen::Vector2d target(const Input& input, double ahead, const scene::Scene& scene,
+                         int ball) const;
+  double elapsed(const Input& input) const;
+
+  Parameters parameters_;
+  std::vector<int> roll_, back_;  // costs by the ball that is worked on
+  TimeHeuristicState state_;
+  Decision decision_;
+};
+
+std::unique_ptr<Strategy> make_time_heuristic(const Parameters& parameters, C3Controller& c3);
+
+}  // namespace c3rt::planner
