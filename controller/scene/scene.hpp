@@ -33,8 +33,8 @@ struct Body {
   Eigen::Vector3d omega_WB = Eigen::Vector3d::Zero();  // in W [rad/s]
   // in x and y with nothing but the table in contact: how a tilted table accelerates it [m/s²]
   Eigen::Matrix<double, 2, 1, Eigen::DontAlign> a_WB = Eigen::Vector2d::Zero();
-  Shape shape;  // about p_WB
-  Name name;
+  Shape shape = {};  // about p_WB
+  Name name = {};
 };
 
 /// The end effector: a sphere.
