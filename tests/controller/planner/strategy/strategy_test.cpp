@@ -48,12 +48,13 @@ class Sampler final : public Strategy {
   const Decision& decide(const Situation& now, C3Controller& c3) override {
     scene::Scene wanted = now.scene;
     wanted.body(0).p_WB.x() += 0.02;
+    wanted.effector.p_WE = now.scene.body(0).p_WB + Vector3d(0.0, 0.0, 0.06);
     for (int k = 0; k <= parameters_.N; ++k) {
       decision_.desired[static_cast<std::size_t>(k)] = wanted;
       c3.want(k, wanted, now.scene);
     }
     double best = std::numeric_limits<double>::infinity();
-    for (const Vector3d& offset : {Vector3d(-0.05, 0.0, 0.0), Vector3d(0.05, 0.0, 0.0)}) {
+    for (const Vector3d& offset : {Vector3d(-0.055, 0.0, 0.0), Vector3d(0.055, 0.0, 0.0)}) {
       scene::Scene candidate = now.scene;
       candidate.effector.p_WE = now.scene.body(0).p_WB + offset;
       if (c3.plan(candidate, costs_, {}) == StepStatus::kFailed) continue;
@@ -157,7 +158,7 @@ TEST_CASE("strategy: one that compares several plans and moves to the best place
   const Plan& away = planner.step(input_at(0.0, {0.4, 0.0, 0.1}));
   CHECK(away.mode == Mode::kApproach);
   const Vector3d place = away.p_WE;
-  CHECK((place - kBody).norm() == Approx(0.05));
+  CHECK((place - kBody).norm() == Approx(0.055));
   const Plan& there = planner.step(input_at(0.005, place));
   CHECK(there.mode == Mode::kRoll);
   CHECK(there.status == PlanStatus::kOk);
@@ -248,8 +249,8 @@ TEST_CASE("time heuristic: after a reset it is as new") {
 
 TEST_CASE("scenario: a strategy that is not chosen needs no sections, and no other name is taken") {
   const auto text = [&](const std::string& strategy) {
-    return "name: held\nextends: circle_slow\nplanner:\n  strategy: " + strategy +
-           "\n  weights: ~\n  heuristic: ~\n";
+    return "name: held\ndescription: held\nextends: circle_slow\nplanner:\n  strategy: " +
+           strategy + "\n  weights: ~\n  heuristic: ~\n";
   };
   CHECK(config::read_scenario(config::Document::parse(text("hold"), C3RT_SOURCE_DIRECTORY
                                                       "/config/scenarios/held.yaml"))
