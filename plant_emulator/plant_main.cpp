@@ -8,6 +8,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -20,9 +21,8 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
-#include "idl/faults.hpp"
+#include "idl/endpoint.hpp"
 #include "idl/process.hpp"
-#include "idl/replies.hpp"
 #include "plant_emulator/messages.hpp"
 #include "plant_emulator/orders.hpp"
 #include "plant_emulator/plant.hpp"
@@ -35,13 +35,8 @@ constexpr std::int64_t kCycleNs = 1'000'000;
 constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
 constexpr std::int64_t kJoinTimeoutNs = 60'000'000'000;  // lockstep: the other processes' start
 constexpr std::int64_t kPollNs = 50'000'000;             // of the thread that serves clients
-constexpr std::int64_t kCyclesToObey = 2;                // of a request
-// It is answered when it is known to have worked: recovered, the robot has moved for so many
-// cycles; stopped, it stands. If it has not by then, the answer says why not.
-constexpr std::int64_t kSteadyCycles = 400;
-constexpr std::int64_t kAnswerWithinCycles = 3000;
-constexpr double kStanding = 0.02;  // [rad/s]
-constexpr int kStepPriority = 70;   // below the impedance process, for whose answer the robot waits
+constexpr double kStanding = 0.02;                       // [rad/s]
+constexpr int kStepPriority = 70;  // below the impedance process, for whose answer the robot waits
 
 /// Due instants of a period on the session's clock: true once for each that has passed.
 class Schedule {
@@ -193,83 +188,47 @@ class Cycle {
 /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
 class ClientDesk {
  public:
-  ClientDesk(wire::Bus& bus, const wire::FaultScope& scope, const Cycle& cycle,
-             wire::StatusReporter& status, OrderQueue& orders)
-      : scope_(scope),
-        faults_(bus),
-        requests_(bus),
-        replies_(bus, c3rt_v1_PROCESS_PLANT),
-        cycle_(cycle),
-        status_(status),
-        orders_(orders) {}
+  ClientDesk(const Cycle& cycle, wire::Endpoint& endpoint, OrderQueue& orders)
+      : cycle_(cycle), endpoint_(endpoint), orders_(orders) {}
 
   void serve(std::int64_t now_ns) {
-    replies_.answer_refused(requests_, now_ns);
-    replies_.answer_refused(faults_, now_ns);
-    wire::ServiceRequest request;
-    while (requests_.take(request)) {
-      if (request.process == c3rt_v1_PROCESS_PLANT) take(request, now_ns);
-    }
-    answer(now_ns);
-    wire::FaultInject fault;
-    while (faults_.take(fault)) {
-      if (fault.process == c3rt_v1_PROCESS_PLANT) inject(fault, now_ns);
-    }
+    const auto cycle = static_cast<std::uint64_t>(cycle_.cycles());
+    endpoint_.serve_requests(
+        now_ns, [this](c3rt_v1_RequestVerb verb) { return obey(verb); }, cycle);
+    endpoint_.answer_pending(now_ns, cycle, [this](c3rt_v1_RequestVerb verb, bool late) {
+      return verb == c3rt_v1_REQUEST_RECOVER ? recovered(late) : stopped(late);
+    });
+    endpoint_.serve_faults(now_ns, [this](const wire::FaultInject& fault) {
+      return std::string(orders_.put(order_of(fault)) ? "" : "too many faults at once");
+    });
     report();
   }
 
  private:
-  struct Pending {
-    std::uint64_t id;
-    bool recover;               // else: stop
-    std::int64_t since_cycles;  // when it was taken
-  };
-
-  void take(const wire::ServiceRequest& request, std::int64_t now_ns) {
-    if (request.verb == c3rt_v1_REQUEST_SHUTDOWN) return;  // the clock obeys and answers it
-    const bool recover = request.verb == c3rt_v1_REQUEST_RECOVER;
-    if (orders_.put(
-            {recover ? OrderKind::kRecover : OrderKind::kStop, 0, 0, Eigen::Vector3d::Zero()})) {
-      pending_.push_back({request.request_id, recover, cycle_.cycles()});
-    } else {
-      replies_.answer(request.request_id, false, "too many requests at once", now_ns);
-    }
+  std::optional<wire::Answer> obey(c3rt_v1_RequestVerb verb) {
+    const OrderKind kind = verb == c3rt_v1_REQUEST_RECOVER ? OrderKind::kRecover : OrderKind::kStop;
+    if (orders_.put({kind, 0, 0, Eigen::Vector3d::Zero()})) return {};
+    return wire::Answer{false, "too many requests at once"};
   }
 
-  void answer(std::int64_t now_ns) {
-    const auto answered = [&](const Pending& pending) {
-      const std::int64_t passed = cycle_.cycles() - pending.since_cycles;
-      if (passed <= kCyclesToObey) return false;
-      return pending.recover ? answer_recovery(pending, passed, now_ns)
-                             : answer_stop(pending, passed, now_ns);
-    };
-    pending_.erase(std::remove_if(pending_.begin(), pending_.end(), answered), pending_.end());
-  }
-
-  /// @return false: it is not yet known
-  bool answer_stop(const Pending& pending, std::int64_t passed, std::int64_t now_ns) {
+  std::optional<wire::Answer> stopped(bool late) const {
     const bool stands = cycle_.mode() != Mode::kMove && cycle_.standing();
-    if (!stands && passed < kAnswerWithinCycles) return false;
-    replies_.answer(
-        pending.id, stands,
-        stands ? "stopped, the arm stands; recover ends it" : "the arm does not stand yet", now_ns);
-    return true;
+    if (stands) return wire::Answer{true, "stopped, the arm stands; recover ends it"};
+    if (late) return wire::Answer{false, "the arm does not stand yet"};
+    return {};
   }
 
-  /// @return false: it is not yet known
-  bool answer_recovery(const Pending& pending, std::int64_t passed, std::int64_t now_ns) {
+  std::optional<wire::Answer> recovered(bool late) const {
     const Mode mode = cycle_.mode();
-    const bool moves = mode == Mode::kMove && cycle_.moving_cycles() >= kSteadyCycles;
+    const bool moves = mode == Mode::kMove && cycle_.moving_cycles() >= wire::kSteadyCycles;
     // a reflex that ends by itself is no answer yet
     const bool stopped_again =
         (mode == Mode::kReflex && !cycle_.waits_for_commands()) || mode == Mode::kUserStopped;
-    if (!moves && !stopped_again && passed < kAnswerWithinCycles) return false;
-    replies_.answer(pending.id, moves,
-                    mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"
-                    : mode == Mode::kMove && !moves ? "the robot stopped again and moves again"
-                                                    : mode_text(),
-                    now_ns);
-    return true;
+    if (!moves && !stopped_again && !late) return {};
+    return wire::Answer{moves,
+                        mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"
+                        : mode == Mode::kMove && !moves ? "the robot stopped again and moves again"
+                                                        : mode_text()};
   }
 
   std::string mode_text() const {
@@ -288,16 +247,6 @@ class ClientDesk {
     return "stopped by a person; request recover";
   }
 
-  void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
-    const std::string refused = wire::refusal(fault, scope_);
-    const bool taken = refused.empty() && orders_.put(order_of(fault));
-    const std::string said = !refused.empty() ? "refused: " + refused
-                             : taken          ? wire::describe(fault)
-                                              : "refused: too many faults at once";
-    replies_.answer(fault.request_id, taken, said, now_ns);
-    spdlog::log(taken ? spdlog::level::info : spdlog::level::warn, "fault {}", said);
-  }
-
   /// Of a fault that is not refused.
   static Order order_of(const wire::FaultInject& fault) {
     Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
@@ -311,28 +260,15 @@ class ClientDesk {
 
   void report() {
     const Mode mode = cycle_.mode();
-    const Errors errors = cycle_.errors();
-    if (reported_ && mode == mode_ && errors == errors_) return;
-    reported_ = true;
-    mode_ = mode;
-    errors_ = errors;
     const bool well = mode == Mode::kIdle || mode == Mode::kMove;
     const std::string text = mode_text();
-    status_.set_state(well ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED, text);
-    spdlog::info("mode {}", text);
+    if (endpoint_.say(well ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED, text))
+      spdlog::info("mode {}", text);
   }
 
-  const wire::FaultScope scope_;
-  wire::Reader<wire::FaultInject> faults_;
-  wire::Reader<wire::ServiceRequest> requests_;
-  wire::Replies replies_;
   const Cycle& cycle_;
-  wire::StatusReporter& status_;
+  wire::Endpoint& endpoint_;
   OrderQueue& orders_;
-  std::vector<Pending> pending_;
-  bool reported_ = false;
-  Mode mode_ = Mode::kIdle;
-  Errors errors_ = 0;
 };
 
 /// Simulated over elapsed time, in thousandths.
@@ -364,12 +300,12 @@ class DeskThread {
   std::thread thread_;
 };
 
-std::string run_realtime(wire::Bus& bus, const wire::FaultScope& scope, Cycle& cycle,
-                         wire::StatusReporter& status) {
+std::string run_realtime(wire::Bus& bus, Cycle& cycle, wire::Endpoint& endpoint) {
+  wire::StatusReporter& status = endpoint.status();
   auto& missed = status.counter("missed_cycles");
   auto& factor = status.counter("real_time_factor_1e3");
   OrderQueue orders;
-  ClientDesk desk(bus, scope, cycle, status, orders);
+  ClientDesk desk(cycle, endpoint, orders);
   const DeskThread desk_thread(bus, desk);
   wire::Inlet<wire::RobotCommand> commands(bus);
   wire::Outlet<wire::RobotState> states(bus);
@@ -416,11 +352,12 @@ std::vector<wire::Process> expected_processes(const std::vector<std::string>& na
   return processes;
 }
 
-std::string run_lockstep(wire::Bus& bus, const wire::FaultScope& scope, Cycle& cycle,
-                         wire::StatusReporter& status, const std::vector<std::string>& expect) {
+std::string run_lockstep(wire::Bus& bus, Cycle& cycle, wire::Endpoint& endpoint,
+                         const std::vector<std::string>& expect) {
+  wire::StatusReporter& status = endpoint.status();
   auto& factor = status.counter("real_time_factor_1e3");
   OrderQueue orders;
-  ClientDesk desk(bus, scope, cycle, status, orders);
+  ClientDesk desk(cycle, endpoint, orders);
   wire::Reader<wire::RobotCommand> commands(bus);
   wire::Writer<wire::RobotState> states(bus);
   wire::Writer<wire::Scene> scenes(bus);
@@ -462,17 +399,19 @@ int run(int argc, char** argv) {
   wire::BusSettings settings = wire::bus_settings(*options);
   if (settings.session_id == 0) settings.session_id = wire::draw_session();
   wire::Bus bus(settings);
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANT,
-                              [](const std::string& said) { spdlog::warn("{}", said); });
-  const auto cycle = std::make_unique<Cycle>(scenario, options->seed, status);
-  spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
-               lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
-               scenario.plant.world.balls.size());
   wire::FaultScope scope;
   for (const BallParameters& ball : scenario.plant.world.balls)
     scope.ball_masses.push_back(ball.mass);
-  const std::string failure = lockstep ? run_lockstep(bus, scope, *cycle, status, options->expect)
-                                       : run_realtime(bus, scope, *cycle, status);
+  wire::Endpoint endpoint(
+      bus, c3rt_v1_PROCESS_PLANT, scope, [](bool attention, const std::string& said) {
+        spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
+      });
+  const auto cycle = std::make_unique<Cycle>(scenario, options->seed, endpoint.status());
+  spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
+               lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
+               scenario.plant.world.balls.size());
+  const std::string failure = lockstep ? run_lockstep(bus, *cycle, endpoint, options->expect)
+                                       : run_realtime(bus, *cycle, endpoint);
   if (!failure.empty()) {
     spdlog::error("stop: {}", failure);
     return config::kFailedWhileRunning;

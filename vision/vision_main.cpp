@@ -17,9 +17,8 @@
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
-#include "idl/faults.hpp"
+#include "idl/endpoint.hpp"
 #include "idl/process.hpp"
-#include "idl/replies.hpp"
 #include "idl/shutdown_listener.hpp"
 #include "idl/text.hpp"
 #include "plant_emulator/start.hpp"
@@ -42,11 +41,6 @@ void fill(double (&out)[4], const Eigen::Quaterniond& q) {
   const double wxyz[] = {q.w(), q.x(), q.y(), q.z()};
   std::copy_n(wxyz, 4, out);
 }
-
-/// What was injected, until when.
-struct Faults {
-  std::int64_t lose_ball_ns = 0, stall_ns = 0, nan_ns = 0;
-};
 
 /// One ball at one exposure, whatever the source.
 struct Observation {
@@ -152,24 +146,21 @@ std::unique_ptr<Source> make_source(const config::Scenario& scenario, std::uint6
 class Service {
  public:
   Service(const config::Scenario& scenario, const config::ProcessOptions& options, wire::Bus& bus,
-          wire::StatusReporter& status)
+          wire::Endpoint& endpoint)
       : realtime_(options.clock == config::Clock::kRealtime),
         latency_ns_(nanoseconds(scenario.timing.vision_latency_s)),
         period_ns_(nanoseconds(1.0 / scenario.vision.rate)),
         source_(make_source(scenario, options.seed)),
         scenes_(bus),
-        faults_in_(bus),
-        requests_(bus),
         detections_(bus),
         estimates_(bus),
-        replies_(bus, c3rt_v1_PROCESS_VISION),
-        status_(status),
-        exposures_(status.counter("exposures")),
-        dropped_(status.counter("dropped_frames")),
-        cameras_used_(status.counter("cameras_used")),
-        lost_events_(status.counter("lost_events")),
-        restarts_(status.counter("restarts")),
-        foreign_scenes_(status.counter("scenes_of_other_balls")) {
+        endpoint_(endpoint),
+        exposures_(endpoint.status().counter("exposures")),
+        dropped_(endpoint.status().counter("dropped_frames")),
+        cameras_used_(endpoint.status().counter("cameras_used")),
+        lost_events_(endpoint.status().counter("lost_events")),
+        restarts_(endpoint.status().counter("restarts")),
+        foreign_scenes_(endpoint.status().counter("scenes_of_other_balls")) {
     const plant::World& world = scenario.plant.world;
     for (std::size_t i = 0; i < world.balls.size(); ++i) {
       estimators_.emplace_back(scenario.vision.estimator, world.balls[i].radius);
@@ -177,14 +168,12 @@ class Service {
       const Eigen::Vector2d& start = world.balls[i].position;
       start_.emplace_back(start.x(), start.y(), world.table_height + world.balls[i].radius);
     }
-    const bool cameras = scenario.vision.source == SourceKind::kCameras;
-    scope_.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
-    status_.set_state(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
+    endpoint_.say(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
   }
 
   /// Everything that has arrived.
   void serve(std::int64_t now_ns) {
-    take_requests(now_ns);
+    serve_clients(now_ns);
     wire::Scene scene{};
     bool exposed = false;
     wire::Scene newest{};
@@ -193,55 +182,25 @@ class Service {
       exposed = true;  // of several only the newest is worth its time
       newest = scene;
     }
-    if (exposed && now_ns >= faults_.stall_ns) process(newest);
+    if (exposed && !faults_.stalls(now_ns)) process(newest);
   }
 
  private:
-  void take_requests(std::int64_t now_ns) {
-    replies_.answer_refused(requests_, now_ns);
-    replies_.answer_refused(faults_in_, now_ns);
-    wire::ServiceRequest request{};
-    while (requests_.take(request)) {
-      if (request.process != c3rt_v1_PROCESS_VISION || request.verb == c3rt_v1_REQUEST_SHUTDOWN)
-        continue;
-      replies_.answer(request.request_id, false, "vision knows only shutdown", now_ns);
-    }
-    wire::FaultInject fault{};
-    while (faults_in_.take(fault)) {
-      if (fault.process == c3rt_v1_PROCESS_VISION) inject(fault, now_ns);
-    }
-  }
-
-  void inject(const wire::FaultInject& fault, std::int64_t now_ns) {
-    const std::string refused = wire::refusal(fault, scope_);
-    replies_.answer(fault.request_id, refused.empty(),
-                    refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
-    if (!refused.empty()) {
-      spdlog::warn("fault refused: {}", refused);
-      return;
-    }
-    spdlog::info("fault {}", wire::describe(fault));
-    const std::int64_t until_ns = now_ns + nanoseconds(fault.duration_s);
-    switch (fault.kind) {
-      case c3rt_v1_FAULT_FREEZE_CAMERA:
-        source_->freeze(fault.index, until_ns);
-        break;
-      case c3rt_v1_FAULT_LOSE_BALL:
-        faults_.lose_ball_ns = until_ns;
-        break;
-      case c3rt_v1_FAULT_STALL:
-        faults_.stall_ns = until_ns;
-        break;
-      case c3rt_v1_FAULT_NAN:
-        faults_.nan_ns = until_ns;
-        break;
-      case c3rt_v1_FAULT_NONE:
-        faults_ = {};
+  void serve_clients(std::int64_t now_ns) {
+    endpoint_.serve_requests(now_ns, [](c3rt_v1_RequestVerb) -> std::optional<wire::Answer> {
+      return wire::Answer{false, "vision knows only shutdown"};
+    });
+    endpoint_.serve_faults(now_ns, [this, now_ns](const wire::FaultInject& fault) {
+      faults_.begin(fault, now_ns);
+      if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA)
+        source_->freeze(fault.index, wire::end_of(fault, now_ns));
+      if (fault.kind == c3rt_v1_FAULT_LOSE_BALL) lose_ball_ns_ = wire::end_of(fault, now_ns);
+      if (fault.kind == c3rt_v1_FAULT_NONE) {
+        lose_ball_ns_ = 0;
         source_->freeze(-1, 0);
-        break;
-      default:
-        break;  // refused above
-    }
+      }
+      return std::string();
+    });
   }
 
   /// Of as many balls as the scenario has; told once where not.
@@ -266,7 +225,7 @@ class Service {
     last_exposure_ns_ = exposure_ns;
     ++exposures_;
     if (realtime_) {
-      status_.wakeup_latency().add(1e-9 * static_cast<double>(began_ns - exposure_ns));
+      endpoint_.status().wakeup_latency().add(1e-9 * static_cast<double>(began_ns - exposure_ns));
     }
     source_->expose(scene);
     std::vector<Prediction> predictions;
@@ -277,14 +236,14 @@ class Service {
     }
     std::vector<Observation> seen = source_->observe(predictions);
     for (std::size_t i = 0; i < seen.size(); ++i) process_ball(i, exposure_ns, seen[i]);
-    status_.compute().add(1e-9 * static_cast<double>(rt::now_ns() - began_ns));
+    endpoint_.status().compute().add(1e-9 * static_cast<double>(rt::now_ns() - began_ns));
   }
 
   void process_ball(std::size_t index, std::int64_t exposure_ns, Observation& seen) {
     Estimator& estimator = estimators_[index];
     const int ball = static_cast<int>(index);
     const Estimate before = estimator.estimate();
-    if (exposure_ns < faults_.lose_ball_ns) {
+    if (exposure_ns < lose_ball_ns_) {
       seen.measurement.found = false;
       seen.cameras_used = 0;
       for (View& view : seen.views) view.detection.found = view.used = false;
@@ -305,7 +264,7 @@ class Service {
     fill(out.v_WB_m_per_s, estimate.v_WB);
     fill(out.omega_rad_per_s, estimate.omega_WB);
     fill(out.q_WB, estimate.q_WB);
-    if (exposure_ns < faults_.nan_ns) out.p_WB_m[0] = std::nan("");
+    if (faults_.spoils(exposure_ns)) out.p_WB_m[0] = std::nan("");
     estimates_.write(out, published_ns);
 
     // after the estimate: nobody waits for these
@@ -336,10 +295,10 @@ class Service {
       if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
     }
     if (lost.empty()) {
-      status_.set_state(c3rt_v1_SERVICE_RUNNING,
-                        estimators_.size() == 1 ? "tracks the ball" : "tracks the balls");
+      endpoint_.say(c3rt_v1_SERVICE_RUNNING,
+                    estimators_.size() == 1 ? "tracks the ball" : "tracks the balls");
     } else {
-      status_.set_state(c3rt_v1_SERVICE_DEGRADED, "lost ball " + lost);
+      endpoint_.say(c3rt_v1_SERVICE_DEGRADED, "lost ball " + lost);
     }
     spdlog::info("ball={} {}", ball, now.valid ? "found" : "lost");
   }
@@ -348,18 +307,15 @@ class Service {
   const std::int64_t latency_ns_, period_ns_;
   std::unique_ptr<Source> source_;
   wire::Reader<wire::Scene> scenes_;
-  wire::Reader<wire::FaultInject> faults_in_;
-  wire::Reader<wire::ServiceRequest> requests_;
   wire::Writer<wire::ObjectDetection> detections_;
   wire::Writer<wire::ObjectEstimate> estimates_;
-  wire::Replies replies_;
-  wire::StatusReporter& status_;
+  wire::Endpoint& endpoint_;
   std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,
       &foreign_scenes_;
   std::vector<Estimator> estimators_;
   std::vector<Eigen::Vector3d> start_;
-  Faults faults_;
-  wire::FaultScope scope_;
+  wire::FaultWindows faults_;
+  std::int64_t lose_ball_ns_ = 0;  // until then
   std::int64_t last_exposure_ns_ = 0;
 };
 
@@ -381,6 +337,10 @@ std::string run_lockstep(wire::Bus& bus, Service& service, double rate) {
   return loop.failure();
 }
 
+void tell(bool attention, const std::string& said) {
+  spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
+}
+
 int run(int argc, char** argv) {
   int exit_status = 0;
   const auto options = config::parse_process_options(
@@ -395,12 +355,14 @@ int run(int argc, char** argv) {
       config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
   wire::Bus bus(wire::bus_settings(*options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_VISION,
-                              [](const std::string& said) { spdlog::warn("{}", said); });
-  Service service(scenario, *options, bus, status);
+  wire::FaultScope scope;
+  const bool cameras = scenario.vision.source == SourceKind::kCameras;
+  scope.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
+  wire::Endpoint endpoint(bus, c3rt_v1_PROCESS_VISION, scope, tell);
+  Service service(scenario, *options, bus, endpoint);
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
-               scenario.vision.source == SourceKind::kCameras ? "cameras" : "emulated",
-               scenario.vision.rate, scenario.vision.cameras.size());
+               cameras ? "cameras" : "emulated", scenario.vision.rate,
+               scenario.vision.cameras.size());
   if (lockstep) {
     const std::string failure = run_lockstep(bus, service, scenario.vision.rate);
     if (!failure.empty()) {
@@ -411,8 +373,9 @@ int run(int argc, char** argv) {
     run_realtime(bus, service);
   }
   spdlog::info("stop exposures={} dropped_frames={} lost_events={}",
-               status.counter("exposures").load(), status.counter("dropped_frames").load(),
-               status.counter("lost_events").load());
+               endpoint.status().counter("exposures").load(),
+               endpoint.status().counter("dropped_frames").load(),
+               endpoint.status().counter("lost_events").load());
   return config::kStopped;
 }
 

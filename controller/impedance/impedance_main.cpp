@@ -12,6 +12,7 @@
 #include "controller/impedance/service.hpp"
 #include "controller/impedance/servo.hpp"
 #include "controller/model/arm.hpp"
+#include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/process.hpp"
@@ -48,10 +49,13 @@ int run(const config::ProcessOptions& options) {
   model::Arm arm(parameters.arm);
 
   wire::Bus bus(wire::bus_settings(options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_IMPEDANCE,
-                              [](const std::string& said) { spdlog::warn("{}", said); });
+  const auto tell = [](bool attention, const std::string& said) {
+    spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
+  };
+  wire::Endpoint endpoint(bus, c3rt_v1_PROCESS_IMPEDANCE, {}, tell, wire::Wakes::kItself);
+  wire::StatusReporter& status = endpoint.status();
   impedance::Servo servo(bus, parameters, std::move(arm), status.compute());
-  impedance::Service service(bus, servo, status);
+  impedance::Service service(servo, endpoint);
   // takes tens of milliseconds, so before the loop's grid starts
   if (bus.clock() == wire::ClockMode::kRealtime) lock_memory();
   wire::Loop::Settings pace{};
@@ -64,23 +68,23 @@ int run(const config::ProcessOptions& options) {
                bus.clock() == wire::ClockMode::kLockstep ? "lockstep" : "realtime",
                1.0 / parameters.period, options.domain);
 
-  const auto serve = [&] {
+  const auto serve = [&](std::int64_t at_ns) {
     service.count_missed_cycles(loop.missed_cycles());
-    if (service.poll()) spdlog::info("{}", service.text());
+    if (service.poll(at_ns)) spdlog::info("{}", service.text());
   };
   std::int64_t now_ns = 0;
   if (bus.clock() == wire::ClockMode::kLockstep) {
     while (loop.wait(now_ns)) {
       servo.cycle(now_ns);
-      serve();
+      serve(now_ns);
     }
   } else {
     std::atomic<bool> running{true};
     std::thread servant([&] {
       wire::become_helper_thread("service");
       while (running) {
-        serve();
-        service.wait(kServicePeriod_ns);
+        serve(rt::now_ns());
+        endpoint.wait(kServicePeriod_ns);
       }
     });
     // the last thing before the loop, so that no helper thread inherits it

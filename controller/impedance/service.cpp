@@ -4,19 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "controller/rt/periodic_clock.hpp"
-#include "idl/faults.hpp"
-
 namespace c3rt::impedance {
 
 namespace {
-
-// a request is handed over during one cycle and surely obeyed in the next
-constexpr std::uint64_t kCyclesToObey = 2;
-// It is answered when it is known to have worked: recovered, the arm has been held or has tracked
-// for so many cycles; stopped, it stands. If it has not by then, the answer says why not.
-constexpr int kSteadyCycles = 400;
-constexpr std::uint64_t kAnswerWithinCycles = 3000;
 
 c3rt_v1_ServiceState state_of(const Snapshot& snapshot) {
   switch (snapshot.mode) {
@@ -67,96 +57,64 @@ std::string describe(const Snapshot& snapshot) {
                               : "; damps until a recovery is requested");
 }
 
-Service::Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status)
+Service::Service(Servo& servo, wire::Endpoint& endpoint)
     : servo_(servo),
-      status_(status),
-      requests_(bus, 16, wire::Wakes::kItself),
-      faults_(bus, 16, wire::Wakes::kItself),
-      replies_(bus, c3rt_v1_PROCESS_IMPEDANCE),
-      missed_cycles_(status.counter("missed_cycles")),
-      stale_plan_events_(status.counter("stale_plan_events")),
-      plans_other_session_(status.counter("plans_other_session")),
-      plans_invalid_(status.counter("plans_invalid")),
-      workspace_clamps_(status.counter("workspace_clamps")),
-      plan_clamps_(status.counter("plan_clamps")),
-      torque_clamps_(status.counter("torque_clamps")),
-      torque_rate_clamps_(status.counter("torque_rate_clamps")),
-      stops_(status.counter("stops")),
-      states_lost_(status.counter("states_lost")),
-      plans_lost_(status.counter("plans_lost")),
-      commands_failed_(status.counter("commands_failed")),
-      state_to_command_p50_(status.counter("state_to_command_p50_ns")),
-      state_to_command_p95_(status.counter("state_to_command_p95_ns")),
-      state_to_command_p99_(status.counter("state_to_command_p99_ns")) {}
+      endpoint_(endpoint),
+      missed_cycles_(endpoint.status().counter("missed_cycles")),
+      stale_plan_events_(endpoint.status().counter("stale_plan_events")),
+      plans_other_session_(endpoint.status().counter("plans_other_session")),
+      plans_invalid_(endpoint.status().counter("plans_invalid")),
+      workspace_clamps_(endpoint.status().counter("workspace_clamps")),
+      plan_clamps_(endpoint.status().counter("plan_clamps")),
+      torque_clamps_(endpoint.status().counter("torque_clamps")),
+      torque_rate_clamps_(endpoint.status().counter("torque_rate_clamps")),
+      stops_(endpoint.status().counter("stops")),
+      states_lost_(endpoint.status().counter("states_lost")),
+      plans_lost_(endpoint.status().counter("plans_lost")),
+      commands_failed_(endpoint.status().counter("commands_failed")),
+      state_to_command_p50_(endpoint.status().counter("state_to_command_p50_ns")),
+      state_to_command_p95_(endpoint.status().counter("state_to_command_p95_ns")),
+      state_to_command_p99_(endpoint.status().counter("state_to_command_p99_ns")) {}
 
-bool Service::poll() {
+bool Service::poll(std::int64_t now_ns) {
   servo_.take_snapshot(snapshot_);
-  answer_requests();
-  take_requests();
-  take_faults();
+  endpoint_.answer_pending(now_ns, snapshot_.cycle, [this](c3rt_v1_RequestVerb verb, bool late) {
+    return verb == c3rt_v1_REQUEST_STOP ? stopped(late) : recovered(late);
+  });
+  endpoint_.serve_requests(
+      now_ns,
+      [this](c3rt_v1_RequestVerb verb) -> std::optional<wire::Answer> {
+        if (verb == c3rt_v1_REQUEST_STOP) servo_.stop();
+        if (verb == c3rt_v1_REQUEST_RECOVER) servo_.recover();
+        return {};
+      },
+      snapshot_.cycle);
+  endpoint_.serve_faults(now_ns, [this, now_ns](const wire::FaultInject& fault) {
+    servo_.faults().begin(fault, now_ns);
+    return std::string();
+  });
   update_counters();
 
-  const std::string text = describe(snapshot_);
-  if (text == text_) return false;
-  text_ = text;
-  status_.set_state(state_of(snapshot_), text_);
-  return true;
+  text_ = describe(snapshot_);
+  return endpoint_.say(state_of(snapshot_), text_);
 }
 
-void Service::take_requests() {
-  replies_.answer_refused(requests_, rt::now_ns());
-  wire::ServiceRequest request{};
-  while (requests_.take(request)) {
-    if (request.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
-    if (request.verb == c3rt_v1_REQUEST_STOP) servo_.stop();
-    if (request.verb == c3rt_v1_REQUEST_RECOVER) servo_.recover();
-    // wire::Loop obeys and answers REQUEST_SHUTDOWN
-    if (request.verb != c3rt_v1_REQUEST_SHUTDOWN) pending_.push_back({request, snapshot_.cycle});
-  }
+std::optional<wire::Answer> Service::stopped(bool late) const {
+  const bool stands = snapshot_.mode == Mode::kStop && snapshot_.standing;
+  if (stands) return wire::Answer{true, describe(snapshot_)};
+  if (late) return wire::Answer{false, describe(snapshot_) + "; the arm does not stand yet"};
+  return {};
 }
 
-void Service::answer_requests() {
-  pending_.erase(std::remove_if(pending_.begin(), pending_.end(),
-                                [this](const Pending& pending) { return answered(pending); }),
-                 pending_.end());
-}
-
-bool Service::answered(const Pending& pending) {
-  if (snapshot_.cycle < pending.cycle + kCyclesToObey) return false;
-  const bool late = snapshot_.cycle >= pending.cycle + kAnswerWithinCycles;
-  const bool stopped = snapshot_.mode == Mode::kStop;
-  bool ok = false;
-  std::string text = describe(snapshot_);
-  if (pending.request.verb == c3rt_v1_REQUEST_STOP) {
-    ok = stopped && snapshot_.standing;
-    if (!ok && !late) return false;
-    if (!ok) text += "; the arm does not stand yet";
-  } else {
-    ok = snapshot_.steady_cycles >= kSteadyCycles;
-    // whether the robot goes on after another stop is its own word; ours is final where a person
-    // must help
-    const bool final = stopped && !snapshot_.ends_alone;
-    if (!ok && !final && !late) return false;
-    if (!ok && !snapshot_.robot_moves) text += "; the robot does not move";
-  }
-  replies_.answer(pending.request.request_id, ok, text, rt::now_ns());
-  return true;
-}
-
-void Service::take_faults() {
-  replies_.answer_refused(faults_, rt::now_ns());
-  wire::FaultInject fault{};
-  while (faults_.take(fault)) {
-    if (fault.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
-    const std::string refused = wire::refusal(fault, {});
-    replies_.answer(fault.request_id, refused.empty(),
-                    refused.empty() ? wire::describe(fault) : "refused: " + refused, rt::now_ns());
-    if (!refused.empty()) continue;
-    if (fault.kind == c3rt_v1_FAULT_NONE) servo_.end_faults();
-    const auto duration_ns = static_cast<std::int64_t>(fault.duration_s * 1e9);
-    if (fault.kind == c3rt_v1_FAULT_STALL) servo_.stall(duration_ns);
-    if (fault.kind == c3rt_v1_FAULT_NAN) servo_.spoil(duration_ns);
-  }
+std::optional<wire::Answer> Service::recovered(bool late) const {
+  if (snapshot_.steady_cycles >= wire::kSteadyCycles)
+    return wire::Answer{true, describe(snapshot_)};
+  // whether the robot goes on after another stop is its own word; ours is final where a person must
+  // help
+  const bool final = snapshot_.mode == Mode::kStop && !snapshot_.ends_alone;
+  if (!final && !late) return {};
+  return wire::Answer{
+      false, describe(snapshot_) + (snapshot_.robot_moves ? "" : "; the robot does not move")};
 }
 
 void Service::update_counters() {

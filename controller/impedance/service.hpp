@@ -2,12 +2,11 @@
 // What c3rt-impedance does beside its cycle: requests, injected faults, status.
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "controller/impedance/servo.hpp"
-#include "idl/process.hpp"
-#include "idl/replies.hpp"
+#include "idl/endpoint.hpp"
 
 namespace c3rt::impedance {
 
@@ -18,34 +17,22 @@ std::string describe(const Snapshot& snapshot);
 /// each cycle.
 class Service {
  public:
-  Service(wire::Bus& bus, Servo& servo, wire::StatusReporter& status);
+  Service(Servo& servo, wire::Endpoint& endpoint);
 
   /// Obeys new requests and faults, answers requests that the servo has seen, and updates the
   /// status.
   /// @return true if what there is to say has changed (see text())
-  bool poll();
+  bool poll(std::int64_t now_ns);
   const std::string& text() const { return text_; }
   void count_missed_cycles(std::uint64_t count) { missed_cycles_ = count; }
-  /// Sleeps until a request arrives or the time is over.
-  void wait(std::int64_t timeout_ns) { requests_.wait(timeout_ns); }
 
  private:
-  struct Pending {
-    wire::ServiceRequest request;
-    std::uint64_t cycle;  // the servo's newest when the request was taken
-  };
-  void take_requests();
-  void take_faults();
-  void answer_requests();
-  bool answered(const Pending& pending);
+  std::optional<wire::Answer> stopped(bool late) const;
+  std::optional<wire::Answer> recovered(bool late) const;
   void update_counters();
 
   Servo& servo_;
-  wire::StatusReporter& status_;
-  wire::Reader<wire::ServiceRequest> requests_;
-  wire::Reader<wire::FaultInject> faults_;
-  wire::Replies replies_;
-  std::vector<Pending> pending_;
+  wire::Endpoint& endpoint_;
   Snapshot snapshot_;
   std::string text_;
 

@@ -11,7 +11,6 @@ namespace c3rt::impedance {
 namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
-constexpr std::int64_t kEndFault = -1;
 static_assert(c3rt_v2_MAX_KNOTS == kMaxKnots, "room for every knot of a plan");
 constexpr double kStanding = 0.02;  // [rad/s]
 
@@ -75,13 +74,6 @@ void unpack(const wire::Plan& plan, Input& input) noexcept {
   }
 }
 
-/// Takes a fault's duration, if one was injected, and gives the time until which it lasts.
-void begin(std::atomic<std::int64_t>& duration_ns, std::int64_t now_ns,
-           std::int64_t& until_ns) noexcept {
-  const std::int64_t duration = duration_ns.exchange(0);
-  if (duration != 0) until_ns = now_ns + duration;
-}
-
 }  // namespace
 
 Servo::Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::Statistics& compute)
@@ -92,15 +84,8 @@ Servo::Servo(wire::Bus& bus, const Parameters& parameters, model::Arm arm, rt::S
       controller_(parameters, std::move(arm)),
       compute_(compute) {}
 
-void Servo::end_faults() noexcept {
-  stall_ns_.store(kEndFault);
-  spoil_ns_.store(kEndFault);
-}
-
 void Servo::cycle(std::int64_t now_ns) noexcept {
-  begin(stall_ns_, now_ns, stall_until_ns_);
-  begin(spoil_ns_, now_ns, spoil_until_ns_);
-  if (now_ns < stall_until_ns_) return;
+  if (faults_.stalls(now_ns)) return;
 
   const std::int64_t begin_ns = rt::now_ns();
   take_samples(realtime_ ? begin_ns : now_ns);
@@ -137,7 +122,7 @@ void Servo::send(const Output& output, std::int64_t now_ns) noexcept {
   }
   command_.origin.state_ns = state_.header.time_ns;
   Eigen::Map<Vector7d>{command_.tau_nm} = output.tau;
-  if (now_ns < spoil_until_ns_) command_.tau_nm[0] = std::numeric_limits<double>::quiet_NaN();
+  if (faults_.spoils(now_ns)) command_.tau_nm[0] = std::numeric_limits<double>::quiet_NaN();
   command_.mode = to_wire(output.mode);
   from_vector(output.p_WE_desired, command_.p_WE_desired_m);
   from_vector(output.v_WE_desired, command_.v_WE_desired_m_per_s);

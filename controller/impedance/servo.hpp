@@ -7,6 +7,7 @@
 #include "controller/impedance/controller.hpp"
 #include "controller/rt/latest.hpp"
 #include "controller/rt/statistics.hpp"
+#include "idl/endpoint.hpp"
 #include "idl/process.hpp"
 
 namespace c3rt::impedance {
@@ -39,11 +40,7 @@ class Servo {
   // from any thread; they act in the next cycle
   void stop() noexcept { stop_.store(true); }
   void recover() noexcept { recover_.store(true); }
-  void stall(std::int64_t duration_ns) noexcept {
-    stall_ns_.store(duration_ns);
-  }  // takes and sends nothing
-  void spoil(std::int64_t duration_ns) noexcept { spoil_ns_.store(duration_ns); }  // sends NaN
-  void end_faults() noexcept;
+  wire::FaultWindows& faults() noexcept { return faults_; }
 
   /// From one other thread. false: no cycle since the last call.
   bool take_snapshot(Snapshot& out) noexcept { return snapshots_.take(out); }
@@ -71,8 +68,7 @@ class Servo {
   Snapshot snapshot_;
 
   std::atomic<bool> stop_{false}, recover_{false};
-  std::atomic<std::int64_t> stall_ns_{0}, spoil_ns_{0};
-  std::int64_t stall_until_ns_ = 0, spoil_until_ns_ = 0;
+  wire::FaultWindows faults_;
   rt::Latest<Snapshot> snapshots_;
   rt::Statistics state_to_command_;
   rt::Statistics& compute_;

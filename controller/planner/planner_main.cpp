@@ -19,9 +19,8 @@
 #include "controller/task/circle.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/dds.hpp"
-#include "idl/faults.hpp"
+#include "idl/endpoint.hpp"
 #include "idl/process.hpp"
-#include "idl/replies.hpp"
 #include "idl/text.hpp"
 
 namespace {
@@ -45,20 +44,17 @@ void fill(double (&out)[n], const Eigen::MatrixBase<Derived>& values) {
 
 /// Newest samples of what the planner listens to.
 struct Inputs {
-  explicit Inputs(wire::Bus& bus)
-      : states(bus), commands(bus), estimates(bus), targets(bus), requests(bus), faults(bus) {}
+  explicit Inputs(wire::Bus& bus) : states(bus), commands(bus), estimates(bus), targets(bus) {}
   wire::Reader<wire::RobotState> states;
   wire::Reader<wire::RobotCommand> commands;
   wire::Reader<wire::ObjectEstimate> estimates;
   wire::Reader<wire::TaskTarget> targets;
-  wire::Reader<wire::ServiceRequest> requests;
-  wire::Reader<wire::FaultInject> faults;
   wire::RobotState state{};
   wire::RobotCommand command{};
   std::array<std::optional<wire::ObjectEstimate>, scene::kMaxBodies> objects;  // by key
   bool has_state = false, stopped = false;
   planner::Target target = planner::ScenarioTarget{};
-  std::int64_t stall_until_ns = 0, nan_until_ns = 0;
+  wire::FaultWindows faults;
 };
 
 // what strangers write is checked: an object that the scenario does not have is nobody's
@@ -100,37 +96,19 @@ void take_targets(Inputs& in, const planner::TargetLimits& limits, wire::Replies
   }
 }
 
-void take_requests(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
-  replies.answer_refused(in.requests, now_ns);
-  wire::ServiceRequest request{};
-  while (in.requests.take(request)) {
-    if (request.process != c3rt_v1_PROCESS_PLANNER) continue;
-    if (request.verb == c3rt_v1_REQUEST_STOP) in.stopped = true;
-    if (request.verb == c3rt_v1_REQUEST_RECOVER) in.stopped = false;
-    replies.answer(
-        request.request_id, true,
-        in.stopped ? "holding until recover" : "planning: " + planner::describe(in.target), now_ns);
-  }
+std::string describe(const Inputs& in) {
+  return in.stopped ? "holding until recover" : "planning: " + planner::describe(in.target);
 }
 
-void take_faults(Inputs& in, wire::Replies& replies, std::int64_t now_ns) {
-  replies.answer_refused(in.faults, now_ns);
-  wire::FaultInject fault{};
-  while (in.faults.take(fault)) {
-    if (fault.process != c3rt_v1_PROCESS_PLANNER) continue;
-    const std::string refused = wire::refusal(fault, {});
-    replies.answer(fault.request_id, refused.empty(),
-                   refused.empty() ? wire::describe(fault) : "refused: " + refused, now_ns);
-    if (!refused.empty()) {
-      spdlog::warn("planner: fault refused: {}", refused);
-      continue;
-    }
-    spdlog::info("planner: fault {}", wire::describe(fault));
-    const std::int64_t until_ns = now_ns + nanoseconds(fault.duration_s);
-    if (fault.kind == c3rt_v1_FAULT_STALL) in.stall_until_ns = until_ns;
-    if (fault.kind == c3rt_v1_FAULT_NAN) in.nan_until_ns = until_ns;
-    if (fault.kind == c3rt_v1_FAULT_NONE) in.stall_until_ns = in.nan_until_ns = 0;
-  }
+void serve_clients(Inputs& in, wire::Endpoint& endpoint, std::int64_t now_ns) {
+  endpoint.serve_requests(now_ns, [&in](c3rt_v1_RequestVerb verb) -> std::optional<wire::Answer> {
+    in.stopped = verb == c3rt_v1_REQUEST_STOP;  // or it is to recover
+    return wire::Answer{true, describe(in)};
+  });
+  endpoint.serve_faults(now_ns, [&in, now_ns](const wire::FaultInject& fault) {
+    in.faults.begin(fault, now_ns);
+    return std::string();
+  });
 }
 
 planner::BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
@@ -238,16 +216,13 @@ wire::PlannerDebug debug_to_wire(const planner::Plan& plan, const planner::Param
 /// What the planner is doing, in its status; and in the log where that is not its ordinary work.
 class Teller {
  public:
-  Teller(wire::StatusReporter& status, const planner::Parameters& parameters)
-      : status_(status), parameters_(parameters) {}
+  Teller(wire::Endpoint& endpoint, const planner::Parameters& parameters)
+      : endpoint_(endpoint), parameters_(parameters) {}
 
   void tell(const planner::Activity& activity, double now) {
     const std::string text = planner::describe(activity, parameters_, now);
-    if (text == text_) return;
-    text_ = text;
-    status_.set_state(
-        planner::needs_attention(activity) ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING,
-        text);
+    const bool degraded = planner::needs_attention(activity);
+    if (!endpoint_.say(degraded ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING, text)) return;
     // a cause is told once, though its numbers go on
     const bool new_cause = activity.cause != told_.cause || activity.ball != told_.ball;
     const bool at_rest = activity.cause != planner::Cause::kNone && activity.mode != told_.mode;
@@ -256,10 +231,9 @@ class Teller {
   }
 
  private:
-  wire::StatusReporter& status_;
+  wire::Endpoint& endpoint_;
   const planner::Parameters& parameters_;
   planner::Activity told_;
-  std::string text_;
 };
 
 struct DeadlineClock {
@@ -274,8 +248,11 @@ int run(const config::ProcessOptions& options) {
   const planner::Parameters& parameters = scenario.planner;
   const bool realtime = options.clock == config::Clock::kRealtime;
   wire::Bus bus(wire::bus_settings(options));
-  wire::StatusReporter status(bus, c3rt_v1_PROCESS_PLANNER,
-                              [](const std::string& said) { spdlog::warn("{}", said); });
+  wire::Endpoint endpoint(
+      bus, c3rt_v1_PROCESS_PLANNER, {}, [](bool attention, const std::string& said) {
+        spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "planner: {}", said);
+      });
+  wire::StatusReporter& status = endpoint.status();
   auto& plans = status.counter("plans");
   auto& overruns = status.counter("overruns");
   auto& truncated = status.counter("truncated");
@@ -287,9 +264,8 @@ int run(const config::ProcessOptions& options) {
   Inputs in(bus);
   wire::Writer<wire::Plan> writer(bus);
   wire::Writer<wire::PlannerDebug> debug_writer(bus);
-  wire::Replies replies(bus, c3rt_v1_PROCESS_PLANNER);
   const planner::TargetLimits limits = planner::target_limits(parameters);
-  Teller teller(status, parameters);
+  Teller teller(endpoint, parameters);
   const std::int64_t period_ns = nanoseconds(1.0 / parameters.rate);
   if (realtime) {
     const std::string refused = rt::setup_thread({kPriority, {}, false});
@@ -297,7 +273,7 @@ int run(const config::ProcessOptions& options) {
   }
   wire::Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, period_ns});
   double solve_time = scenario.timing.solve_time_s;
-  status.set_state(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
+  endpoint.say(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
   spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N,
                scenario.name);
 
@@ -306,10 +282,9 @@ int run(const config::ProcessOptions& options) {
     in.has_state |= in.states.take_effective(now_ns, in.state);
     in.commands.take_effective(now_ns, in.command);
     take_estimates(in, parameters.model.bodies, now_ns);
-    take_targets(in, limits, replies, now_ns);
-    take_requests(in, replies, now_ns);
-    take_faults(in, replies, now_ns);
-    if (now_ns < in.stall_until_ns) continue;
+    take_targets(in, limits, endpoint.replies(), now_ns);
+    serve_clients(in, endpoint, now_ns);
+    if (in.faults.stalls(now_ns)) continue;
 
     const std::int64_t started_ns = rt::now_ns();
     DeadlineClock clock{started_ns + nanoseconds(parameters.deadline_fraction / parameters.rate)};
@@ -331,7 +306,7 @@ int run(const config::ProcessOptions& options) {
       wire::Plan out = to_wire(plan, in, effective_ns);
       out.solve_time_s = measured;
       out.valid_until_ns = effective_ns + nanoseconds(parameters.valid_for);
-      if (now_ns < in.nan_until_ns) out.knots[0].p_WE_m[0] = std::nan("");
+      if (in.faults.spoils(now_ns)) out.knots[0].p_WE_m[0] = std::nan("");
       writer.write(out, effective_ns);
       wire::PlannerDebug debug = debug_to_wire(plan, parameters);
       debug.plan_seq = out.header.seq;

@@ -78,11 +78,11 @@ struct World {
 struct Process {
   explicit Process(const wire::BusSettings& settings)
       : bus(settings),
-        status(bus, c3rt_v1_PROCESS_IMPEDANCE),
-        servo(bus, parameters(), model::Arm(test::panda_arm()), status.compute()),
-        service(bus, servo, status) {}
+        endpoint(bus, c3rt_v1_PROCESS_IMPEDANCE, {}, {}, wire::Wakes::kItself),
+        servo(bus, parameters(), model::Arm(test::panda_arm()), endpoint.status().compute()),
+        service(servo, endpoint) {}
   wire::Bus bus;
-  wire::StatusReporter status;
+  wire::Endpoint endpoint;
   Servo servo;
   Service service;
 };
@@ -147,7 +147,7 @@ TEST_CASE("servo: it sends nothing before it has seen the robot") {
   }
   wire::RobotCommand command{};
   CHECK_FALSE(world.commands.take(command));
-  process.service.poll();
+  process.service.poll(rt::now_ns());
   CHECK(process.service.text() == "waits for the robot's state");
 }
 
@@ -157,7 +157,7 @@ bool drive(World& world, Process& process, const Condition& condition) {
   return eventually([&] {
     world.write_state();
     process.servo.cycle(rt::now_ns());
-    process.service.poll();
+    process.service.poll(rt::now_ns());
     return condition();
   });
 }

@@ -1,0 +1,85 @@
+#include "idl/endpoint.hpp"
+
+#include <algorithm>
+
+#include "controller/base/time.hpp"
+
+namespace c3rt::wire {
+namespace {
+
+constexpr int kDepth = 64;  // requests that may wait
+
+}  // namespace
+
+std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept {
+  return now_ns + base::nanoseconds(fault.duration_s);
+}
+
+void FaultWindows::begin(const FaultInject& fault, std::int64_t now_ns) noexcept {
+  if (fault.kind == c3rt_v1_FAULT_STALL) stall_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind == c3rt_v1_FAULT_NAN) nan_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind != c3rt_v1_FAULT_NONE) return;
+  stall_until_ns_.store(0);
+  nan_until_ns_.store(0);
+}
+
+Endpoint::Endpoint(Bus& bus, Process process, const FaultScope& scope, const Log& log, Wakes wakes)
+    : process_(process),
+      scope_(scope),
+      log_(log),
+      status_(bus, process,
+              log ? std::function<void(const std::string&)>(
+                        [log](const std::string& sentence) { log(true, sentence); })
+                  : nullptr),
+      requests_(bus, kDepth, wakes),
+      faults_(bus, kDepth, wakes),
+      replies_(bus, process) {}
+
+void Endpoint::serve_requests(std::int64_t now_ns, const Obey& obey, std::uint64_t cycle) {
+  replies_.answer_refused(requests_, now_ns);
+  ServiceRequest request{};
+  while (requests_.take(request)) {
+    if (request.process != process_ || request.verb == c3rt_v1_REQUEST_SHUTDOWN) continue;
+    if (const std::optional<Answer> answer = obey(request.verb)) {
+      replies_.answer(request.request_id, answer->ok, answer->text, now_ns);
+    } else {
+      pending_.push_back({request.request_id, request.verb, cycle});
+    }
+  }
+}
+
+void Endpoint::answer_pending(std::int64_t now_ns, std::uint64_t cycle, const Judge& judge) {
+  const auto answered = [&](const Pending& pending) {
+    if (cycle < pending.cycle + kCyclesToObey) return false;
+    const bool late = cycle >= pending.cycle + kAnswerWithinCycles;
+    const std::optional<Answer> answer = judge(pending.verb, late);
+    if (answer) replies_.answer(pending.request_id, answer->ok, answer->text, now_ns);
+    return answer.has_value();
+  };
+  pending_.erase(std::remove_if(pending_.begin(), pending_.end(), answered), pending_.end());
+}
+
+void Endpoint::serve_faults(std::int64_t now_ns, const Inject& inject) {
+  replies_.answer_refused(faults_, now_ns);
+  FaultInject fault{};
+  while (faults_.take(fault)) {
+    if (fault.process != process_) continue;
+    std::string refused = refusal(fault, scope_);
+    if (refused.empty()) refused = inject(fault);
+    const bool acts = refused.empty();
+    const std::string said = acts ? describe(fault) : "refused: " + refused;
+    replies_.answer(fault.request_id, acts, said, now_ns);
+    if (log_) log_(!acts, "fault " + said);
+  }
+}
+
+bool Endpoint::say(c3rt_v1_ServiceState state, const std::string& text) {
+  if (said_ && state == state_ && text == text_) return false;
+  said_ = true;
+  state_ = state;
+  text_ = text;
+  status_.set_state(state, text);
+  return true;
+}
+
+}  // namespace c3rt::wire
