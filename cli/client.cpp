@@ -144,16 +144,16 @@ wire::FaultScope fault_scope(const config::Scenario& scenario) {
 wire::TaskTarget to_wire(const planner::Target& target) {
   wire::TaskTarget sample{};
   if (const auto* circle = std::get_if<task::Circle>(&target)) {
-    sample.kind = c3rt_v1_TARGET_CIRCLE;
+    sample.kind = c3rt_v2_TARGET_CIRCLE;
     std::copy_n(circle->center.data(), 2, sample.center_m);
     sample.radius_m = circle->radius;
     sample.lead_rad = circle->lead;
   } else if (const auto* to = std::get_if<planner::PointTarget>(&target)) {
-    sample.kind = c3rt_v1_TARGET_POINT;
+    sample.kind = c3rt_v2_TARGET_POINT;
     std::copy_n(to->point.data(), 2, sample.center_m);
   } else {
-    sample.kind = std::holds_alternative<planner::HoldTarget>(target) ? c3rt_v1_TARGET_HOLD
-                                                                      : c3rt_v1_TARGET_SCENARIO;
+    sample.kind = std::holds_alternative<planner::HoldTarget>(target) ? c3rt_v2_TARGET_HOLD
+                                                                      : c3rt_v2_TARGET_SCENARIO;
   }
   return sample;
 }
@@ -195,11 +195,11 @@ Services listen(wire::Bus& bus, double seconds) {
 }
 
 bool in_service(const wire::ServiceStatus& status) {
-  return status.state == c3rt_v1_SERVICE_RUNNING || status.state == c3rt_v1_SERVICE_DEGRADED;
+  return status.state == c3rt_v2_SERVICE_RUNNING || status.state == c3rt_v2_SERVICE_DEGRADED;
 }
 
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
-            c3rt_v1_RequestVerb verb) {
+            c3rt_v2_RequestVerb verb) {
   Question<wire::ServiceRequest> question(seat);
   if (!question.find_peers()) return kProcessFailed;
   // that the arm follows again is the work of all of them
@@ -227,7 +227,7 @@ int set_target(const Seat& seat, const planner::Target& target) {
         planner::check(target, planner::target_limits(scenario->planner));
     if (!verdict.ok()) throw UsageError("target: " + verdict.sentence);
   }
-  return ask(seat, to_wire(target), c3rt_v1_PROCESS_PLANNER);
+  return ask(seat, to_wire(target), c3rt_v2_PROCESS_PLANNER);
 }
 
 }  // namespace c3rt::cli

@@ -33,7 +33,7 @@ bool in_service(const wire::ServiceStatus& status);
 /// Sends a request to each of these processes in turn and prints their replies. @return an exit
 /// status
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
-            c3rt_v1_RequestVerb verb);
+            c3rt_v2_RequestVerb verb);
 
 /// Asks for a fault of a process, and for its answer. @return an exit status: 1 if it refuses
 /// @throws UsageError for what the scenario that runs cannot do

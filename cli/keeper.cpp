@@ -81,15 +81,15 @@ void Keeper::hear(double now) {
 }
 
 bool Keeper::robot_well() const {
-  return heard(c3rt_v1_PROCESS_PLANT).state == c3rt_v1_SERVICE_RUNNING &&
-         heard(c3rt_v1_PROCESS_IMPEDANCE).state == c3rt_v1_SERVICE_RUNNING;
+  return heard(c3rt_v2_PROCESS_PLANT).state == c3rt_v2_SERVICE_RUNNING &&
+         heard(c3rt_v2_PROCESS_IMPEDANCE).state == c3rt_v2_SERVICE_RUNNING;
 }
 
 /// A planner that was started again knows no target but the scenario's.
 void Keeper::tell_target() {
   if (!target_is_due_) return;
-  const wire::ServiceStatus& planner = heard(c3rt_v1_PROCESS_PLANNER);
-  const Kept& kept = kept_[wire::process_name(c3rt_v1_PROCESS_PLANNER)];
+  const wire::ServiceStatus& planner = heard(c3rt_v2_PROCESS_PLANNER);
+  const Kept& kept = kept_[wire::process_name(c3rt_v2_PROCESS_PLANNER)];
   if (kept.due || planner.pid == kept.pid || !in_service(planner)) return;
   target_is_due_ = false;
   if (!target_) return;
@@ -122,18 +122,18 @@ void Keeper::recover(double now) {
     restarted_.clear();
     return;
   }
-  if (std::string(heard(c3rt_v1_PROCESS_PLANT).text).find("stopped by a person") == 0) {
+  if (std::string(heard(c3rt_v2_PROCESS_PLANT).text).find("stopped by a person") == 0) {
     restarted_.clear();
     return;
   }
   recover_next_ = now + kBetweenRecovers;
   ++recovers_;
   for (const wire::Process process :
-       {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}) {
+       {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER}) {
     wire::ServiceRequest wanted{};
     wanted.request_id = static_cast<std::uint64_t>(rt::now_ns());
     wanted.process = process;
-    wanted.verb = c3rt_v1_REQUEST_RECOVER;
+    wanted.verb = c3rt_v2_REQUEST_RECOVER;
     requests_.write(wanted, rt::now_ns());
   }
 }
@@ -146,7 +146,7 @@ void Keeper::bury(const ChildExit& end, double now) {
   for (const wire::ServiceStatus& status : heard_) {
     if (status.pid != 0 && end.name == wire::process_name(status.process)) kept.pid = status.pid;
   }
-  if (end.name == wire::process_name(c3rt_v1_PROCESS_PLANNER)) target_is_due_ = true;
+  if (end.name == wire::process_name(c3rt_v2_PROCESS_PLANNER)) target_is_due_ = true;
   if (!kept.given_up && (now - well_at_ < kJustBefore || !restarted_.empty())) {
     restarted_ = end.name;
     recovers_ = 0;

@@ -53,10 +53,10 @@ void add_seat(CLI::App& command, cli::Seat& seat) {
       ->capture_default_str();
 }
 
-const std::map<std::string, wire::Process> kProcesses{{"plant", c3rt_v1_PROCESS_PLANT},
-                                                      {"impedance", c3rt_v1_PROCESS_IMPEDANCE},
-                                                      {"planner", c3rt_v1_PROCESS_PLANNER},
-                                                      {"vision", c3rt_v1_PROCESS_VISION}};
+const std::map<std::string, wire::Process> kProcesses{{"plant", c3rt_v2_PROCESS_PLANT},
+                                                      {"impedance", c3rt_v2_PROCESS_IMPEDANCE},
+                                                      {"planner", c3rt_v2_PROCESS_PLANNER},
+                                                      {"vision", c3rt_v2_PROCESS_VISION}};
 
 std::vector<std::string> process_names() {
   std::vector<std::string> names;
@@ -140,20 +140,20 @@ class CommandLine {
 
   void add_requests() {
     // the plant holds the robot's own errors, the others their part of standing still
-    const auto add = [this](const char* name, const char* description, c3rt_v1_RequestVerb verb) {
+    const auto add = [this](const char* name, const char* description, c3rt_v2_RequestVerb verb) {
       CLI::App* added = command(app_, name, description, [this, verb] {
         return cli::request(
-            seat_, {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER},
+            seat_, {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER},
             verb);
       });
       add_seat(*added, seat_);
     };
-    add("recover", "Ends a reflex or a stop: the arm moves again", c3rt_v1_REQUEST_RECOVER);
-    add("stop", "Stops the robot until recover", c3rt_v1_REQUEST_STOP);
+    add("recover", "Ends a reflex or a stop: the arm moves again", c3rt_v2_REQUEST_RECOVER);
+    add("stop", "Stops the robot until recover", c3rt_v2_REQUEST_STOP);
   }
 
   CLI::App* fault(CLI::App& parent, const std::string& name, const std::string& description,
-                  c3rt_v1_FaultKind kind, std::optional<wire::Process> process) {
+                  c3rt_v2_FaultKind kind, std::optional<wire::Process> process) {
     CLI::App* added = command(parent, name, description, [this, kind, process] {
       wire::FaultInject sample{};
       sample.kind = kind;
@@ -168,7 +168,7 @@ class CommandLine {
       added->add_option("process", process_, "Which process")
           ->required()
           ->check(cli::one_of(process_names()));
-    const bool lasts = kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
+    const bool lasts = kind != c3rt_v2_FAULT_NONE && kind != c3rt_v2_FAULT_PUSH_OBJECT;
     if (lasts)
       added->add_option("--for", fault_duration_s_, "How long [s]")
           ->check(cli::number(0.001, wire::kLongestFault))
@@ -179,24 +179,24 @@ class CommandLine {
   void add_faults() {
     CLI::App& parent = *group(app_, "fault", "Makes something go wrong");
     parent.require_subcommand(1);
-    CLI::App* push =
-        fault(parent, "push-ball", "Pushes a ball", c3rt_v1_FAULT_PUSH_BALL, c3rt_v1_PROCESS_PLANT);
+    CLI::App* push = fault(parent, "push-ball", "Pushes a ball", c3rt_v2_FAULT_PUSH_OBJECT,
+                           c3rt_v2_PROCESS_PLANT);
     push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")
         ->expected(3)
         ->required()
         ->check(cli::number(-kFarthest, kFarthest));
     push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1));
-    fault(parent, "drop-commands", "The plant ignores commands", c3rt_v1_FAULT_DROP_COMMANDS,
-          c3rt_v1_PROCESS_PLANT);
-    fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v1_FAULT_FREEZE_CAMERA,
-          c3rt_v1_PROCESS_VISION)
+    fault(parent, "drop-commands", "The plant ignores commands", c3rt_v2_FAULT_DROP_COMMANDS,
+          c3rt_v2_PROCESS_PLANT);
+    fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v2_FAULT_FREEZE_CAMERA,
+          c3rt_v2_PROCESS_VISION)
         ->add_option("--camera", index_, "Which camera")
         ->check(cli::whole(0, kMostCameras - 1));
-    fault(parent, "lose-ball", "No camera sees the ball", c3rt_v1_FAULT_LOSE_BALL,
-          c3rt_v1_PROCESS_VISION);
-    fault(parent, "stall", "A process stops answering", c3rt_v1_FAULT_STALL, std::nullopt);
-    fault(parent, "nan", "A process writes NaN", c3rt_v1_FAULT_NAN, std::nullopt);
-    fault(parent, "none", "Ends every fault of a process", c3rt_v1_FAULT_NONE, std::nullopt);
+    fault(parent, "lose-ball", "No camera sees the ball", c3rt_v2_FAULT_LOSE_OBJECT,
+          c3rt_v2_PROCESS_VISION);
+    fault(parent, "stall", "A process stops answering", c3rt_v2_FAULT_STALL, std::nullopt);
+    fault(parent, "nan", "A process writes NaN", c3rt_v2_FAULT_NAN, std::nullopt);
+    fault(parent, "none", "Ends every fault of a process", c3rt_v2_FAULT_NONE, std::nullopt);
   }
 
   CLI::App* target(CLI::App& parent, const std::string& name, const std::string& description,

@@ -22,7 +22,7 @@ constexpr double kStep = 1e-3;  // of the plant [s]
 
 using base::seconds;
 
-Eigen::Vector3d vector(const c3rt_v1_Vec3& value) { return {value[0], value[1], value[2]}; }
+Eigen::Vector3d vector(const c3rt_v2_Vec3& value) { return {value[0], value[1], value[2]}; }
 
 SceneRow row_of(const wire::Scene& sample) {
   SceneRow row;
@@ -36,7 +36,7 @@ SceneRow row_of(const wire::Scene& sample) {
 
 StateRow row_of(const wire::RobotState& sample) {
   return {sample.header.time_ns, sample.header.seq,
-          vector(sample.p_WE_m), sample.mode == c3rt_v1_ROBOT_REFLEX,
+          vector(sample.p_WE_m), sample.mode == c3rt_v2_ROBOT_REFLEX,
           sample.errors,         sample.command_success_rate};
 }
 
@@ -45,7 +45,7 @@ CommandRow row_of(const wire::RobotCommand& sample) {
           sample.origin.state_ns,
           sample.origin.exposure_ns,
           sample.origin.plan_ns,
-          sample.mode == c3rt_v1_IMPEDANCE_TRACK,
+          sample.mode == c3rt_v2_IMPEDANCE_TRACK,
           vector(sample.p_WE_desired_m)};
 }
 
@@ -197,7 +197,7 @@ void Recorder::record() {
   wire::Bus bus(settings_);
   Topics topics(bus, directory_, goal_.task);
   if (settings_.clock == wire::ClockMode::kLockstep) {
-    wire::Loop loop(bus, {c3rt_v1_PROCESS_RECORDER, kPeriod});
+    wire::Loop loop(bus, {c3rt_v2_PROCESS_RECORDER, kPeriod});
     std::int64_t now_ns = 0;
     while (!stop_.load() && !done_.load() && loop.wait(now_ns)) {
       if (take_all(topics, bus)) done_.store(true);

@@ -72,7 +72,7 @@ Spread spread_of(const wire::Quantiles& quantiles) {
 
 ServiceFigures service_figures(const Live& live) {
   ServiceFigures figures;
-  if (const auto& impedance = live.services[c3rt_v1_PROCESS_IMPEDANCE]) {
+  if (const auto& impedance = live.services[c3rt_v2_PROCESS_IMPEDANCE]) {
     figures.impedance_wakeup = spread_of(impedance->wakeup_latency);
     figures.impedance_compute = spread_of(impedance->compute);
     figures.impedance_missed_cycles = counter(*impedance, "missed_cycles");

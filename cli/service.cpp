@@ -99,7 +99,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
     }
     missing.clear();
     for (int i = 0; i < wire::kProcessCount; ++i) {
-      if (i == c3rt_v1_PROCESS_RECORDER || is_up(services[static_cast<std::size_t>(i)])) continue;
+      if (i == c3rt_v2_PROCESS_RECORDER || is_up(services[static_cast<std::size_t>(i)])) continue;
       missing += (missing.empty() ? "" : ", ") +
                  std::string(wire::process_name(static_cast<wire::Process>(i)));
     }

@@ -53,7 +53,7 @@ std::string service_table(
                   "rate Hz", "wake p99 ms", "step p99 ms", "missed", "says");
   for (int i = 0; i < wire::kProcessCount; ++i) {
     const auto process = static_cast<wire::Process>(i);
-    if (process == c3rt_v1_PROCESS_RECORDER) continue;
+    if (process == c3rt_v2_PROCESS_RECORDER) continue;
     const auto& status = services[static_cast<std::size_t>(i)];
     if (!status) {
       text += fmt::format("  {:<10} {:<9}\n", wire::process_name(process), "silent");

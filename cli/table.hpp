@@ -30,7 +30,7 @@ class LiveTable {
   int goal_;
   double duration_;  // [s]
   bool terminal_;
-  std::array<c3rt_v1_ServiceState, wire::kProcessCount> states_{};
+  std::array<c3rt_v2_ServiceState, wire::kProcessCount> states_{};
   int lines_ = 0;          // drawn so far, to be drawn over
   double drawn_at_ = 0.0;  // wall [s]
   std::uint64_t drawn_steps_ = 0;

@@ -237,7 +237,7 @@ struct Bus::Implementation {
   BusSettings settings;
   std::atomic<int> session_told_by{kNoStream};
   std::atomic<std::uint64_t> session;
-  std::array<std::atomic<std::uint64_t>, c3rt_v1_TOPIC_COUNT> written{};
+  std::array<std::atomic<std::uint64_t>, c3rt_v2_TOPIC_COUNT> written{};
   bool held_back = false;
   Domain domain;
   Entity participant;
@@ -324,7 +324,7 @@ void Bus::hold_until_promised() noexcept {
 }
 
 void Bus::newest_written(Sequences& newest_seq) const noexcept {
-  for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i) newest_seq[i] = implementation_->written[i].load();
+  for (int i = 0; i < c3rt_v2_TOPIC_COUNT; ++i) newest_seq[i] = implementation_->written[i].load();
 }
 
 WriterBase::WriterBase(Bus& bus, const Topic& topic, std::optional<Process> addressee)
@@ -539,7 +539,7 @@ Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_
   // a session begins with the plant, so it is told by whom this process takes for the plant, and by
   // nobody else; a plant that was started again is another writer
   Bus::Implementation& bus = *bus_.implementation_;
-  const bool of_plant = topic_.writer == c3rt_v1_PROCESS_PLANT;
+  const bool of_plant = topic_.writer == c3rt_v2_PROCESS_PLANT;
   const bool new_plant = of_plant && bus.may_tell(topic_.stream) &&
                          source.owner.participant != self.one_writer.leader();
   if (theirs == 0 || (theirs != ours && ours != 0 && !new_plant)) {

@@ -16,9 +16,9 @@ std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept {
 }
 
 void FaultWindows::begin(const FaultInject& fault, std::int64_t now_ns) noexcept {
-  if (fault.kind == c3rt_v1_FAULT_STALL) stall_until_ns_.store(end_of(fault, now_ns));
-  if (fault.kind == c3rt_v1_FAULT_NAN) nan_until_ns_.store(end_of(fault, now_ns));
-  if (fault.kind != c3rt_v1_FAULT_NONE) return;
+  if (fault.kind == c3rt_v2_FAULT_STALL) stall_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind == c3rt_v2_FAULT_NAN) nan_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind != c3rt_v2_FAULT_NONE) return;
   stall_until_ns_.store(0);
   nan_until_ns_.store(0);
 }
@@ -39,7 +39,7 @@ void Endpoint::serve_requests(std::int64_t now_ns, const Obey& obey, std::uint64
   replies_.answer_refused(requests_, now_ns);
   ServiceRequest request{};
   while (requests_.take(request)) {
-    if (request.process != process_ || request.verb == c3rt_v1_REQUEST_SHUTDOWN) continue;
+    if (request.process != process_ || request.verb == c3rt_v2_REQUEST_SHUTDOWN) continue;
     if (const std::optional<Answer> answer = obey(request.verb)) {
       replies_.answer(request.request_id, answer->ok, answer->text, now_ns);
     } else {
@@ -73,7 +73,7 @@ void Endpoint::serve_faults(std::int64_t now_ns, const Inject& inject) {
   }
 }
 
-bool Endpoint::say(c3rt_v1_ServiceState state, const std::string& text) {
+bool Endpoint::say(c3rt_v2_ServiceState state, const std::string& text) {
   if (said_ && state == state_ && text == text_) return false;
   said_ = true;
   state_ = state;

@@ -56,14 +56,14 @@ class Endpoint {
            Wakes wakes = Wakes::kBus);
 
   /// What the process does about a request, and the answer; none: answer_pending() gives it.
-  using Obey = std::function<std::optional<Answer>(c3rt_v1_RequestVerb)>;
+  using Obey = std::function<std::optional<Answer>(c3rt_v2_RequestVerb)>;
   /// Takes what has come since the last call. Requests of others are left alone, those that a
   /// reader refused are answered with the reason.
   /// @param cycle of the process's loop
   void serve_requests(std::int64_t now_ns, const Obey& obey, std::uint64_t cycle = 0);
 
   /// Whether the process has done what was asked; none: not known yet. `late`: there must be one.
-  using Judge = std::function<std::optional<Answer>(c3rt_v1_RequestVerb, bool late)>;
+  using Judge = std::function<std::optional<Answer>(c3rt_v2_RequestVerb, bool late)>;
   /// Answers requests that were obeyed long enough ago to be judged.
   void answer_pending(std::int64_t now_ns, std::uint64_t cycle, const Judge& judge);
 
@@ -74,7 +74,7 @@ class Endpoint {
   void serve_faults(std::int64_t now_ns, const Inject& inject);
 
   /// The process's state and a sentence about it. @return whether either is new
-  bool say(c3rt_v1_ServiceState state, const std::string& text);
+  bool say(c3rt_v2_ServiceState state, const std::string& text);
 
   StatusReporter& status() noexcept { return status_; }
   Replies& replies() noexcept { return replies_; }
@@ -84,7 +84,7 @@ class Endpoint {
  private:
   struct Pending {
     std::uint64_t request_id;
-    c3rt_v1_RequestVerb verb;
+    c3rt_v2_RequestVerb verb;
     std::uint64_t cycle;  // when it was taken
   };
 
@@ -97,7 +97,7 @@ class Endpoint {
   Replies replies_;
   std::vector<Pending> pending_;
   bool said_ = false;
-  c3rt_v1_ServiceState state_ = c3rt_v1_SERVICE_STARTING;
+  c3rt_v2_ServiceState state_ = c3rt_v2_SERVICE_STARTING;
   std::string text_;
 };
 

@@ -13,24 +13,24 @@ std::string text(const char* format, Values... values) {
   return buffer;
 }
 
-bool lasts(c3rt_v1_FaultKind kind) {
-  return kind != c3rt_v1_FAULT_NONE && kind != c3rt_v1_FAULT_PUSH_BALL;
+bool lasts(c3rt_v2_FaultKind kind) {
+  return kind != c3rt_v2_FAULT_NONE && kind != c3rt_v2_FAULT_PUSH_OBJECT;
 }
 
 /// Stall, NaN and the end of all are of every process, the others of one.
-bool has(Process process, c3rt_v1_FaultKind kind) {
+bool has(Process process, c3rt_v2_FaultKind kind) {
   switch (kind) {
-    case c3rt_v1_FAULT_PUSH_BALL:
-    case c3rt_v1_FAULT_DROP_COMMANDS:
-      return process == c3rt_v1_PROCESS_PLANT;
-    case c3rt_v1_FAULT_FREEZE_CAMERA:
-    case c3rt_v1_FAULT_LOSE_BALL:
-      return process == c3rt_v1_PROCESS_VISION;
-    case c3rt_v1_FAULT_NONE:
-    case c3rt_v1_FAULT_STALL:
-    case c3rt_v1_FAULT_NAN:
-      return process == c3rt_v1_PROCESS_PLANT || process == c3rt_v1_PROCESS_IMPEDANCE ||
-             process == c3rt_v1_PROCESS_PLANNER || process == c3rt_v1_PROCESS_VISION;
+    case c3rt_v2_FAULT_PUSH_OBJECT:
+    case c3rt_v2_FAULT_DROP_COMMANDS:
+      return process == c3rt_v2_PROCESS_PLANT;
+    case c3rt_v2_FAULT_FREEZE_CAMERA:
+    case c3rt_v2_FAULT_LOSE_OBJECT:
+      return process == c3rt_v2_PROCESS_VISION;
+    case c3rt_v2_FAULT_NONE:
+    case c3rt_v2_FAULT_STALL:
+    case c3rt_v2_FAULT_NAN:
+      return process == c3rt_v2_PROCESS_PLANT || process == c3rt_v2_PROCESS_IMPEDANCE ||
+             process == c3rt_v2_PROCESS_PLANNER || process == c3rt_v2_PROCESS_VISION;
   }
   return false;
 }
@@ -55,21 +55,21 @@ std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
 
 }  // namespace
 
-const char* fault_name(c3rt_v1_FaultKind kind) {
+const char* fault_name(c3rt_v2_FaultKind kind) {
   switch (kind) {
-    case c3rt_v1_FAULT_NONE:
+    case c3rt_v2_FAULT_NONE:
       return "none";
-    case c3rt_v1_FAULT_PUSH_BALL:
+    case c3rt_v2_FAULT_PUSH_OBJECT:
       return "push-ball";
-    case c3rt_v1_FAULT_DROP_COMMANDS:
+    case c3rt_v2_FAULT_DROP_COMMANDS:
       return "drop-commands";
-    case c3rt_v1_FAULT_FREEZE_CAMERA:
+    case c3rt_v2_FAULT_FREEZE_CAMERA:
       return "freeze-camera";
-    case c3rt_v1_FAULT_LOSE_BALL:
+    case c3rt_v2_FAULT_LOSE_OBJECT:
       return "lose-ball";
-    case c3rt_v1_FAULT_STALL:
+    case c3rt_v2_FAULT_STALL:
       return "stall";
-    case c3rt_v1_FAULT_NAN:
+    case c3rt_v2_FAULT_NAN:
       return "nan";
   }
   return "?";
@@ -78,8 +78,8 @@ const char* fault_name(c3rt_v1_FaultKind kind) {
 std::string refusal(const FaultInject& fault, const FaultScope& scope) {
   if (!has(fault.process, fault.kind)) {
     const char* known =
-        fault.process == c3rt_v1_PROCESS_PLANT    ? "none, push-ball, drop-commands, stall or nan"
-        : fault.process == c3rt_v1_PROCESS_VISION ? "none, freeze-camera, lose-ball, stall or nan"
+        fault.process == c3rt_v2_PROCESS_PLANT    ? "none, push-ball, drop-commands, stall or nan"
+        : fault.process == c3rt_v2_PROCESS_VISION ? "none, freeze-camera, lose-ball, stall or nan"
                                                   : "none, stall or nan";
     return text("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
                 fault_name(fault.kind), static_cast<int>(fault.kind));
@@ -88,8 +88,8 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope) {
     return text("expected a duration of more than 0 and at most %g s, got %g s", kLongestFault,
                 fault.duration_s);
   }
-  if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) return refusal_of_push(fault, scope);
-  if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA) {
+  if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) return refusal_of_push(fault, scope);
+  if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA) {
     if (scope.cameras == 0) return "expected a scenario with cameras, as this one emulates them";
     if (fault.index < 0 || (scope.cameras > 0 && fault.index >= scope.cameras)) {
       return scope.cameras > 0
@@ -103,14 +103,14 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope) {
 
 std::string describe(const FaultInject& fault) {
   const char* name = fault_name(fault.kind);
-  if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) {
+  if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) {
     return text("%s %d by (%g, %g, %g) N s", name, static_cast<int>(fault.index), fault.value[0],
                 fault.value[1], fault.value[2]);
   }
-  if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA)
+  if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA)
     return text("%s %d for %g s", name, static_cast<int>(fault.index), fault.duration_s);
   if (lasts(fault.kind)) return text("%s for %g s", name, fault.duration_s);
-  return fault.kind == c3rt_v1_FAULT_NONE ? "every fault ended" : name;
+  return fault.kind == c3rt_v2_FAULT_NONE ? "every fault ended" : name;
 }
 
 }  // namespace c3rt::wire

@@ -26,6 +26,6 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope);
 std::string describe(const FaultInject& fault);
 
 /// "push-ball"; "?" for no kind.
-const char* fault_name(c3rt_v1_FaultKind kind);
+const char* fault_name(c3rt_v2_FaultKind kind);
 
 }  // namespace c3rt::wire

@@ -21,7 +21,7 @@ constexpr int kArrivalPeriods = 2;     // without an arrival until the timer goe
 constexpr std::int64_t kJoining = -1;  // time of a Done that answers no tick
 
 void merge(Sequences& newest, const Sequences& other) {
-  for (int i = 0; i < c3rt_v1_TOPIC_COUNT; ++i) newest[i] = std::max(newest[i], other[i]);
+  for (int i = 0; i < c3rt_v2_TOPIC_COUNT; ++i) newest[i] = std::max(newest[i], other[i]);
 }
 
 std::string seconds(std::int64_t time_ns) {
@@ -168,7 +168,7 @@ struct LockstepMaster::Implementation {
   Implementation(Bus& b, std::int64_t answer_timeout)
       : bus(b),
         answer_timeout_ns(answer_timeout),
-        shutdown(b, c3rt_v1_PROCESS_PLANT),
+        shutdown(b, c3rt_v2_PROCESS_PLANT),
         dones(b, kTickDepth, Wakes::kItself) {
     bus.hold_until_promised();
   }

@@ -95,7 +95,7 @@ void ShutdownListener::run() {
   while (!stop_.load()) {
     requests_.wait(1'000'000'000);
     while (requests_.take(request)) {
-      if (request.process != process_ || request.verb != c3rt_v1_REQUEST_SHUTDOWN) continue;
+      if (request.process != process_ || request.verb != c3rt_v2_REQUEST_SHUTDOWN) continue;
       StopFlag::request();
       bus_.wake();
       ServiceReply reply{};

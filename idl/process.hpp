@@ -106,7 +106,7 @@ class StatusReporter {
   /// samples, from the reporter's thread
   StatusReporter(Bus& bus, Process process, std::function<void(const std::string&)> log = {});
   ~StatusReporter();  // publishes SERVICE_STOPPING (a SERVICE_FAILED stays)
-  void set_state(c3rt_v1_ServiceState state, std::string_view text);  // not for the servo thread
+  void set_state(c3rt_v2_ServiceState state, std::string_view text);  // not for the servo thread
   /// A named counter; the reference stays valid, incrementing it is wait-free.
   /// @throws WireError beyond COUNTERS names or 31 letters
   std::atomic<std::uint64_t>& counter(std::string_view name);

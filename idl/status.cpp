@@ -46,7 +46,7 @@ struct StatusReporter::Implementation {
       : bus(b), writer(b), log(std::move(l)) {
     status.process = process;
     status.pid = static_cast<std::int32_t>(getpid());
-    status.state = c3rt_v1_SERVICE_STARTING;
+    status.state = c3rt_v2_SERVICE_STARTING;
     thread = std::thread([this] { run(); });
   }
   ~Implementation() {
@@ -54,8 +54,8 @@ struct StatusReporter::Implementation {
     signal.raise();
     thread.join();
     const std::lock_guard lock(mutex);
-    if (status.state != c3rt_v1_SERVICE_FAILED) {
-      status.state = c3rt_v1_SERVICE_STOPPING;
+    if (status.state != c3rt_v2_SERVICE_FAILED) {
+      status.state = c3rt_v2_SERVICE_STOPPING;
       text = "stopping";
     }
     publish();
@@ -148,7 +148,7 @@ StatusReporter::StatusReporter(Bus& bus, Process process,
     : implementation_(std::make_unique<Implementation>(bus, process, std::move(log))) {}
 StatusReporter::~StatusReporter() = default;
 
-void StatusReporter::set_state(c3rt_v1_ServiceState state, std::string_view text) {
+void StatusReporter::set_state(c3rt_v2_ServiceState state, std::string_view text) {
   {
     const std::lock_guard lock(implementation_->mutex);
     implementation_->status.state = state;

@@ -11,7 +11,7 @@ constexpr int streams() {
   for (const Topic& topic : table::kTopics) count += topic.stream != kNoStream ? 1 : 0;
   return count;
 }
-static_assert(streams() <= c3rt_v1_TOPIC_COUNT, "a tick has room for every stream");
+static_assert(streams() <= c3rt_v2_TOPIC_COUNT, "a tick has room for every stream");
 
 // fixed size: a sample is copied as bytes between threads and taken without allocation
 template <typename... T>

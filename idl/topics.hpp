@@ -14,11 +14,11 @@
 
 namespace c3rt::wire {
 
-using Header = c3rt_v1_Header;
-using Origin = c3rt_v1_Origin;
-using Quantiles = c3rt_v1_Quantiles;
+using Header = c3rt_v2_Header;
+using Origin = c3rt_v2_Origin;
+using Quantiles = c3rt_v2_Quantiles;
 using RefusedSamples = c3rt_v2_RefusedSamples;
-using Process = c3rt_v1_Process;
+using Process = c3rt_v2_Process;
 
 constexpr int kProcessCount = enumerators(Process{});
 /// "plant", "impedance", "planner", "vision", "recorder"
@@ -61,33 +61,33 @@ struct Topic {
 namespace table {
 
 constexpr std::nullopt_t kMany = std::nullopt;  // clients, or every process
-constexpr Process kPlant = c3rt_v1_PROCESS_PLANT;
-constexpr Process kImpedance = c3rt_v1_PROCESS_IMPEDANCE;
-constexpr Process kPlanner = c3rt_v1_PROCESS_PLANNER;
-constexpr Process kVision = c3rt_v1_PROCESS_VISION;
+constexpr Process kPlant = c3rt_v2_PROCESS_PLANT;
+constexpr Process kImpedance = c3rt_v2_PROCESS_IMPEDANCE;
+constexpr Process kPlanner = c3rt_v2_PROCESS_PLANNER;
+constexpr Process kVision = c3rt_v2_PROCESS_VISION;
 
 }  // namespace table
 
 // clang-format off
-//      type, module,        name               quality  writer      deadline  trait          // readers and rate
+//      type,                name               quality  writer      deadline  trait          // readers and rate
 #define C3RT_TOPICS(TOPIC)                                                                                              \
-  TOPIC(Scene, v2,           "sim/scene",        kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
-  TOPIC(RobotState, v1,      "robot/state",      kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
-  TOPIC(RobotCommand, v1,    "robot/command",    kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
-  TOPIC(Plan, v2,            "plan",             kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
-  TOPIC(ObjectEstimate, v2,  "object/estimate",  kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
-  TOPIC(ObjectDetection, v2, "object/detection", kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
-  TOPIC(PlannerDebug, v2,    "planner/debug",    kStream, kPlanner,   0.0,      kNone)      /* clients; as plan */        \
-  TOPIC(TaskTarget, v2,      "task/target",      kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
-  TOPIC(Tick, v1,            "sim/tick",         kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
-  TOPIC(Done, v1,            "sim/done",         kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
-  TOPIC(ServiceStatus, v2,   "service/status",   kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
-  TOPIC(ServiceRequest, v1,  "service/request",  kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
-  TOPIC(ServiceReply, v2,    "service/reply",    kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
-  TOPIC(FaultInject, v2,     "fault/inject",     kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
+  TOPIC(Scene,           "sim/scene",        kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
+  TOPIC(RobotState,      "robot/state",      kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
+  TOPIC(RobotCommand,    "robot/command",    kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
+  TOPIC(Plan,            "plan",             kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
+  TOPIC(ObjectEstimate,  "object/estimate",  kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
+  TOPIC(ObjectDetection, "object/detection", kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
+  TOPIC(PlannerDebug,    "planner/debug",    kStream, kPlanner,   0.0,      kNone)      /* clients; as plan */        \
+  TOPIC(TaskTarget,      "task/target",      kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
+  TOPIC(Tick,            "sim/tick",         kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
+  TOPIC(Done,            "sim/done",         kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
+  TOPIC(ServiceStatus,   "service/status",   kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
+  TOPIC(ServiceRequest,  "service/request",  kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
+  TOPIC(ServiceReply,    "service/reply",    kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
+  TOPIC(FaultInject,     "fault/inject",     kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
 // clang-format on
 
-#define C3RT_TOPIC(Type, module, ...) using Type = c3rt_##module##_##Type;
+#define C3RT_TOPIC(Type, ...) using Type = c3rt_v2_##Type;
 C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
 
@@ -118,8 +118,8 @@ C3RT_TOPICS(C3RT_TOPIC)
 
 constexpr std::array<Topic, kCount> make() {
   std::array<Topic, kCount> topics = {{
-#define C3RT_TOPIC(Type, module, name, quality, writer, deadline, trait) \
-  Topic{name, &c3rt_##module##_##Type##_desc, Qos::quality, writer, deadline, Trait::trait},
+#define C3RT_TOPIC(Type, name, quality, writer, deadline, trait) \
+  Topic{name, &c3rt_v2_##Type##_desc, Qos::quality, writer, deadline, Trait::trait},
       C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
   }};

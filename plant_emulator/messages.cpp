@@ -14,18 +14,18 @@ void copy(const Eigen::Quaterniond& from, double (&to)[4]) noexcept {
   to[3] = from.z();
 }
 
-c3rt_v1_RobotMode robot_mode(Mode mode) noexcept {
+c3rt_v2_RobotMode robot_mode(Mode mode) noexcept {
   switch (mode) {
     case Mode::kIdle:
-      return c3rt_v1_ROBOT_IDLE;
+      return c3rt_v2_ROBOT_IDLE;
     case Mode::kMove:
-      return c3rt_v1_ROBOT_MOVE;
+      return c3rt_v2_ROBOT_MOVE;
     case Mode::kReflex:
-      return c3rt_v1_ROBOT_REFLEX;
+      return c3rt_v2_ROBOT_REFLEX;
     case Mode::kUserStopped:
-      return c3rt_v1_ROBOT_USER_STOPPED;
+      return c3rt_v2_ROBOT_USER_STOPPED;
   }
-  return c3rt_v1_ROBOT_REFLEX;
+  return c3rt_v2_ROBOT_REFLEX;
 }
 
 }  // namespace

@@ -194,9 +194,9 @@ class ClientDesk {
   void serve(std::int64_t now_ns) {
     const auto cycle = static_cast<std::uint64_t>(cycle_.cycles());
     endpoint_.serve_requests(
-        now_ns, [this](c3rt_v1_RequestVerb verb) { return obey(verb); }, cycle);
-    endpoint_.answer_pending(now_ns, cycle, [this](c3rt_v1_RequestVerb verb, bool late) {
-      return verb == c3rt_v1_REQUEST_RECOVER ? recovered(late) : stopped(late);
+        now_ns, [this](c3rt_v2_RequestVerb verb) { return obey(verb); }, cycle);
+    endpoint_.answer_pending(now_ns, cycle, [this](c3rt_v2_RequestVerb verb, bool late) {
+      return verb == c3rt_v2_REQUEST_RECOVER ? recovered(late) : stopped(late);
     });
     endpoint_.serve_faults(now_ns, [this](const wire::FaultInject& fault) {
       return std::string(orders_.put(order_of(fault)) ? "" : "too many faults at once");
@@ -205,8 +205,8 @@ class ClientDesk {
   }
 
  private:
-  std::optional<wire::Answer> obey(c3rt_v1_RequestVerb verb) {
-    const OrderKind kind = verb == c3rt_v1_REQUEST_RECOVER ? OrderKind::kRecover : OrderKind::kStop;
+  std::optional<wire::Answer> obey(c3rt_v2_RequestVerb verb) {
+    const OrderKind kind = verb == c3rt_v2_REQUEST_RECOVER ? OrderKind::kRecover : OrderKind::kStop;
     if (orders_.put({kind, 0, 0, Eigen::Vector3d::Zero()})) return {};
     return wire::Answer{false, "too many requests at once"};
   }
@@ -251,10 +251,10 @@ class ClientDesk {
   static Order order_of(const wire::FaultInject& fault) {
     Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
                 Eigen::Map<const Eigen::Vector3d>(fault.value)};
-    if (fault.kind == c3rt_v1_FAULT_PUSH_BALL) order.kind = OrderKind::kPushBall;
-    if (fault.kind == c3rt_v1_FAULT_DROP_COMMANDS) order.kind = OrderKind::kDropCommands;
-    if (fault.kind == c3rt_v1_FAULT_STALL) order.kind = OrderKind::kStall;
-    if (fault.kind == c3rt_v1_FAULT_NAN) order.kind = OrderKind::kNan;
+    if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) order.kind = OrderKind::kPushBall;
+    if (fault.kind == c3rt_v2_FAULT_DROP_COMMANDS) order.kind = OrderKind::kDropCommands;
+    if (fault.kind == c3rt_v2_FAULT_STALL) order.kind = OrderKind::kStall;
+    if (fault.kind == c3rt_v2_FAULT_NAN) order.kind = OrderKind::kNan;
     return order;
   }
 
@@ -262,7 +262,7 @@ class ClientDesk {
     const Mode mode = cycle_.mode();
     const bool well = mode == Mode::kIdle || mode == Mode::kMove;
     const std::string text = mode_text();
-    if (endpoint_.say(well ? c3rt_v1_SERVICE_RUNNING : c3rt_v1_SERVICE_DEGRADED, text))
+    if (endpoint_.say(well ? c3rt_v2_SERVICE_RUNNING : c3rt_v2_SERVICE_DEGRADED, text))
       spdlog::info("mode {}", text);
   }
 
@@ -313,7 +313,7 @@ std::string run_realtime(wire::Bus& bus, Cycle& cycle, wire::Endpoint& endpoint)
   const std::string refused = rt::setup_thread({kStepPriority, {}, true});
   if (!refused.empty()) spdlog::warn("not real-time: {}", refused);
 
-  wire::Loop::Settings pace{c3rt_v1_PROCESS_PLANT, kCycleNs};
+  wire::Loop::Settings pace{c3rt_v2_PROCESS_PLANT, kCycleNs};
   pace.wakeup_latency = &status.wakeup_latency();
   wire::Loop loop(bus, pace);
   wire::RobotCommand command{};
@@ -345,7 +345,7 @@ std::vector<wire::Process> expected_processes(const std::vector<std::string>& na
     int i = 0;
     while (i < wire::kProcessCount && name != wire::process_name(static_cast<wire::Process>(i)))
       ++i;
-    if (i == wire::kProcessCount || i == c3rt_v1_PROCESS_PLANT)
+    if (i == wire::kProcessCount || i == c3rt_v2_PROCESS_PLANT)
       throw std::invalid_argument("--expect: no process \"" + name + "\" to wait for");
     processes.push_back(static_cast<wire::Process>(i));
   }
@@ -403,7 +403,7 @@ int run(int argc, char** argv) {
   for (const BallParameters& ball : scenario.plant.world.balls)
     scope.ball_masses.push_back(ball.mass);
   wire::Endpoint endpoint(
-      bus, c3rt_v1_PROCESS_PLANT, scope, [](bool attention, const std::string& said) {
+      bus, c3rt_v2_PROCESS_PLANT, scope, [](bool attention, const std::string& said) {
         spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
       });
   const auto cycle = std::make_unique<Cycle>(scenario, options->seed, endpoint.status());

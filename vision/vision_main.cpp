@@ -168,7 +168,7 @@ class Service {
       const Eigen::Vector2d& start = world.balls[i].position;
       start_.emplace_back(start.x(), start.y(), world.table_height + world.balls[i].radius);
     }
-    endpoint_.say(c3rt_v1_SERVICE_RUNNING, "waits for the first exposure");
+    endpoint_.say(c3rt_v2_SERVICE_RUNNING, "waits for the first exposure");
   }
 
   /// Everything that has arrived.
@@ -187,15 +187,15 @@ class Service {
 
  private:
   void serve_clients(std::int64_t now_ns) {
-    endpoint_.serve_requests(now_ns, [](c3rt_v1_RequestVerb) -> std::optional<wire::Answer> {
+    endpoint_.serve_requests(now_ns, [](c3rt_v2_RequestVerb) -> std::optional<wire::Answer> {
       return wire::Answer{false, "vision knows only shutdown"};
     });
     endpoint_.serve_faults(now_ns, [this, now_ns](const wire::FaultInject& fault) {
       faults_.begin(fault, now_ns);
-      if (fault.kind == c3rt_v1_FAULT_FREEZE_CAMERA)
+      if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA)
         source_->freeze(fault.index, wire::end_of(fault, now_ns));
-      if (fault.kind == c3rt_v1_FAULT_LOSE_BALL) lose_ball_ns_ = wire::end_of(fault, now_ns);
-      if (fault.kind == c3rt_v1_FAULT_NONE) {
+      if (fault.kind == c3rt_v2_FAULT_LOSE_OBJECT) lose_ball_ns_ = wire::end_of(fault, now_ns);
+      if (fault.kind == c3rt_v2_FAULT_NONE) {
         lose_ball_ns_ = 0;
         source_->freeze(-1, 0);
       }
@@ -295,10 +295,10 @@ class Service {
       if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
     }
     if (lost.empty()) {
-      endpoint_.say(c3rt_v1_SERVICE_RUNNING,
+      endpoint_.say(c3rt_v2_SERVICE_RUNNING,
                     estimators_.size() == 1 ? "tracks the ball" : "tracks the balls");
     } else {
-      endpoint_.say(c3rt_v1_SERVICE_DEGRADED, "lost ball " + lost);
+      endpoint_.say(c3rt_v2_SERVICE_DEGRADED, "lost ball " + lost);
     }
     spdlog::info("ball={} {}", ball, now.valid ? "found" : "lost");
   }
@@ -322,7 +322,7 @@ class Service {
 void run_realtime(wire::Bus& bus, Service& service) {
   const std::string refused = rt::setup_thread({kPriority, {}, false});
   if (!refused.empty()) spdlog::warn("not real-time: {}", refused);
-  const wire::ShutdownListener shutdown(bus, c3rt_v1_PROCESS_VISION);
+  const wire::ShutdownListener shutdown(bus, c3rt_v2_PROCESS_VISION);
   while (!wire::StopFlag::requested()) {
     bus.wait_for_data(kPollNs);
     service.serve(rt::now_ns());
@@ -331,7 +331,7 @@ void run_realtime(wire::Bus& bus, Service& service) {
 
 /// @return why it ended, empty for a requested stop
 std::string run_lockstep(wire::Bus& bus, Service& service, double rate) {
-  wire::Loop loop(bus, {c3rt_v1_PROCESS_VISION, nanoseconds(1.0 / rate)});
+  wire::Loop loop(bus, {c3rt_v2_PROCESS_VISION, nanoseconds(1.0 / rate)});
   std::int64_t now_ns = 0;
   while (loop.wait(now_ns)) service.serve(now_ns);
   return loop.failure();
@@ -358,7 +358,7 @@ int run(int argc, char** argv) {
   wire::FaultScope scope;
   const bool cameras = scenario.vision.source == SourceKind::kCameras;
   scope.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
-  wire::Endpoint endpoint(bus, c3rt_v1_PROCESS_VISION, scope, tell);
+  wire::Endpoint endpoint(bus, c3rt_v2_PROCESS_VISION, scope, tell);
   Service service(scenario, *options, bus, endpoint);
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
                cameras ? "cameras" : "emulated", scenario.vision.rate,

@@ -58,7 +58,7 @@ EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
            run.folder / "log" / "robot_command.csv",
            {"state_ns", "mode", "p_WE_desired_m_0", "p_WE_desired_m_1", "p_WE_desired_m_2"})) {
     const auto state = states.find(row[0]);
-    if (static_cast<int>(row[1]) != c3rt_v1_IMPEDANCE_TRACK || state == states.end() ||
+    if (static_cast<int>(row[1]) != c3rt_v2_IMPEDANCE_TRACK || state == states.end() ||
         row[0] < start)
       continue;
     track.time.push_back(seconds(row[0] - start));

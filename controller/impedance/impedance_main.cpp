@@ -52,14 +52,14 @@ int run(const config::ProcessOptions& options) {
   const auto tell = [](bool attention, const std::string& said) {
     spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
   };
-  wire::Endpoint endpoint(bus, c3rt_v1_PROCESS_IMPEDANCE, {}, tell, wire::Wakes::kItself);
+  wire::Endpoint endpoint(bus, c3rt_v2_PROCESS_IMPEDANCE, {}, tell, wire::Wakes::kItself);
   wire::StatusReporter& status = endpoint.status();
   impedance::Servo servo(bus, parameters, std::move(arm), status.compute());
   impedance::Service service(servo, endpoint);
   // takes tens of milliseconds, so before the loop's grid starts
   if (bus.clock() == wire::ClockMode::kRealtime) lock_memory();
   wire::Loop::Settings pace{};
-  pace.process = c3rt_v1_PROCESS_IMPEDANCE;
+  pace.process = c3rt_v2_PROCESS_IMPEDANCE;
   pace.period_ns = std::llround(parameters.period * 1e9);
   pace.wakeup_latency = &status.wakeup_latency();
   pace.arrival = &servo.state_arrival();
@@ -98,7 +98,7 @@ int run(const config::ProcessOptions& options) {
     return config::kStopped;
   }
   spdlog::error("{}", loop.failure());
-  status.set_state(c3rt_v1_SERVICE_FAILED, loop.failure());
+  status.set_state(c3rt_v2_SERVICE_FAILED, loop.failure());
   return config::kFailedWhileRunning;
 }
 

@@ -8,19 +8,19 @@ namespace c3rt::impedance {
 
 namespace {
 
-c3rt_v1_ServiceState state_of(const Snapshot& snapshot) {
+c3rt_v2_ServiceState state_of(const Snapshot& snapshot) {
   switch (snapshot.mode) {
     case Mode::kWait:
-      return c3rt_v1_SERVICE_STARTING;
+      return c3rt_v2_SERVICE_STARTING;
     case Mode::kTrack:
-      return c3rt_v1_SERVICE_RUNNING;
+      return c3rt_v2_SERVICE_RUNNING;
     case Mode::kHold:
-      return snapshot.plan == PlanVerdict::kNone ? c3rt_v1_SERVICE_RUNNING
-                                                 : c3rt_v1_SERVICE_DEGRADED;
+      return snapshot.plan == PlanVerdict::kNone ? c3rt_v2_SERVICE_RUNNING
+                                                 : c3rt_v2_SERVICE_DEGRADED;
     case Mode::kStop:
       break;
   }
-  return c3rt_v1_SERVICE_DEGRADED;
+  return c3rt_v2_SERVICE_DEGRADED;
 }
 
 const char* why_it_holds(PlanVerdict plan) {
@@ -78,14 +78,14 @@ Service::Service(Servo& servo, wire::Endpoint& endpoint)
 
 bool Service::poll(std::int64_t now_ns) {
   servo_.take_snapshot(snapshot_);
-  endpoint_.answer_pending(now_ns, snapshot_.cycle, [this](c3rt_v1_RequestVerb verb, bool late) {
-    return verb == c3rt_v1_REQUEST_STOP ? stopped(late) : recovered(late);
+  endpoint_.answer_pending(now_ns, snapshot_.cycle, [this](c3rt_v2_RequestVerb verb, bool late) {
+    return verb == c3rt_v2_REQUEST_STOP ? stopped(late) : recovered(late);
   });
   endpoint_.serve_requests(
       now_ns,
-      [this](c3rt_v1_RequestVerb verb) -> std::optional<wire::Answer> {
-        if (verb == c3rt_v1_REQUEST_STOP) servo_.stop();
-        if (verb == c3rt_v1_REQUEST_RECOVER) servo_.recover();
+      [this](c3rt_v2_RequestVerb verb) -> std::optional<wire::Answer> {
+        if (verb == c3rt_v2_REQUEST_STOP) servo_.stop();
+        if (verb == c3rt_v2_REQUEST_RECOVER) servo_.recover();
         return {};
       },
       snapshot_.cycle);

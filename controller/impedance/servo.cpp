@@ -33,18 +33,18 @@ PlanStatus status_of(c3rt_v2_PlanStatus status) noexcept {
   return PlanStatus::kUnknown;
 }
 
-c3rt_v1_ImpedanceMode to_wire(Mode mode) noexcept {
+c3rt_v2_ImpedanceMode to_wire(Mode mode) noexcept {
   switch (mode) {
     case Mode::kWait:
-      return c3rt_v1_IMPEDANCE_WAIT;
+      return c3rt_v2_IMPEDANCE_WAIT;
     case Mode::kHold:
-      return c3rt_v1_IMPEDANCE_HOLD;
+      return c3rt_v2_IMPEDANCE_HOLD;
     case Mode::kTrack:
-      return c3rt_v1_IMPEDANCE_TRACK;
+      return c3rt_v2_IMPEDANCE_TRACK;
     case Mode::kStop:
       break;
   }
-  return c3rt_v1_IMPEDANCE_STOP;
+  return c3rt_v2_IMPEDANCE_STOP;
 }
 
 void unpack(const wire::RobotState& state, Input& input) noexcept {
@@ -53,7 +53,7 @@ void unpack(const wire::RobotState& state, Input& input) noexcept {
   input.state_stamp_ns = state.header.time_ns;
   input.q = Eigen::Map<const Vector7d>(state.q_rad);
   input.dq = Eigen::Map<const Vector7d>(state.dq_rad_per_s);
-  input.robot_moves = state.mode == c3rt_v1_ROBOT_IDLE || state.mode == c3rt_v1_ROBOT_MOVE;
+  input.robot_moves = state.mode == c3rt_v2_ROBOT_IDLE || state.mode == c3rt_v2_ROBOT_MOVE;
 }
 
 void unpack(const wire::Plan& plan, Input& input) noexcept {

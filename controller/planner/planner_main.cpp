@@ -69,13 +69,13 @@ void take_estimates(Inputs& in, int objects, std::int64_t now_ns) {
 planner::Target target_of(const wire::TaskTarget& sample) {
   const Eigen::Vector2d at(sample.center_m[0], sample.center_m[1]);
   switch (sample.kind) {
-    case c3rt_v1_TARGET_SCENARIO:
+    case c3rt_v2_TARGET_SCENARIO:
       return planner::ScenarioTarget{};
-    case c3rt_v1_TARGET_HOLD:
+    case c3rt_v2_TARGET_HOLD:
       return planner::HoldTarget{};
-    case c3rt_v1_TARGET_CIRCLE:
+    case c3rt_v2_TARGET_CIRCLE:
       return task::Circle{at, sample.radius_m, sample.lead_rad};
-    case c3rt_v1_TARGET_POINT:
+    case c3rt_v2_TARGET_POINT:
       return planner::PointTarget{at};
   }
   return planner::HoldTarget{};  // no other kind passes the reader
@@ -101,8 +101,8 @@ std::string describe(const Inputs& in) {
 }
 
 void serve_clients(Inputs& in, wire::Endpoint& endpoint, std::int64_t now_ns) {
-  endpoint.serve_requests(now_ns, [&in](c3rt_v1_RequestVerb verb) -> std::optional<wire::Answer> {
-    in.stopped = verb == c3rt_v1_REQUEST_STOP;  // or it is to recover
+  endpoint.serve_requests(now_ns, [&in](c3rt_v2_RequestVerb verb) -> std::optional<wire::Answer> {
+    in.stopped = verb == c3rt_v2_REQUEST_STOP;  // or it is to recover
     return wire::Answer{true, describe(in)};
   });
   endpoint.serve_faults(now_ns, [&in, now_ns](const wire::FaultInject& fault) {
@@ -128,8 +128,8 @@ planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& 
   input.solve_time = solve_time;
   input.state_age = in.has_state ? seconds(now_ns - in.state.header.time_ns)
                                  : std::numeric_limits<double>::infinity();
-  input.robot_follows = in.has_state && in.state.mode == c3rt_v1_ROBOT_MOVE &&
-                        in.command.mode == c3rt_v1_IMPEDANCE_TRACK &&
+  input.robot_follows = in.has_state && in.state.mode == c3rt_v2_ROBOT_MOVE &&
+                        in.command.mode == c3rt_v2_IMPEDANCE_TRACK &&
                         seconds(now_ns - in.command.header.time_ns) <= kCommandTimeout;
   if (in.has_state) {
     model::ArmState arm_state;
@@ -222,7 +222,7 @@ class Teller {
   void tell(const planner::Activity& activity, double now) {
     const std::string text = planner::describe(activity, parameters_, now);
     const bool degraded = planner::needs_attention(activity);
-    if (!endpoint_.say(degraded ? c3rt_v1_SERVICE_DEGRADED : c3rt_v1_SERVICE_RUNNING, text)) return;
+    if (!endpoint_.say(degraded ? c3rt_v2_SERVICE_DEGRADED : c3rt_v2_SERVICE_RUNNING, text)) return;
     // a cause is told once, though its numbers go on
     const bool new_cause = activity.cause != told_.cause || activity.ball != told_.ball;
     const bool at_rest = activity.cause != planner::Cause::kNone && activity.mode != told_.mode;
@@ -249,7 +249,7 @@ int run(const config::ProcessOptions& options) {
   const bool realtime = options.clock == config::Clock::kRealtime;
   wire::Bus bus(wire::bus_settings(options));
   wire::Endpoint endpoint(
-      bus, c3rt_v1_PROCESS_PLANNER, {}, [](bool attention, const std::string& said) {
+      bus, c3rt_v2_PROCESS_PLANNER, {}, [](bool attention, const std::string& said) {
         spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "planner: {}", said);
       });
   wire::StatusReporter& status = endpoint.status();
@@ -271,9 +271,9 @@ int run(const config::ProcessOptions& options) {
     const std::string refused = rt::setup_thread({kPriority, {}, false});
     if (!refused.empty()) spdlog::warn("NOT REAL-TIME: {}; plans will be late under load", refused);
   }
-  wire::Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, period_ns});
+  wire::Loop loop(bus, {c3rt_v2_PROCESS_PLANNER, period_ns});
   double solve_time = scenario.timing.solve_time_s;
-  endpoint.say(c3rt_v1_SERVICE_RUNNING, "waiting for the robot's state");
+  endpoint.say(c3rt_v2_SERVICE_RUNNING, "waiting for the robot's state");
   spdlog::info("planner: start rate_hz={} N={} scenario={}", parameters.rate, parameters.N,
                scenario.name);
 

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   const auto domain = static_cast<dds_domainid_t>(argc > 1 ? std::atoi(argv[1]) : 0);
   const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
   const dds_entity_t topic =
-      dds_create_topic(participant, &c3rt_v1_RobotState_desc, "robot/state", nullptr, nullptr);
+      dds_create_topic(participant, &c3rt_v2_RobotState_desc, "robot/state", nullptr, nullptr);
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 100);
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   dds_waitset_attach(waitset, dds_create_readcondition(reader, DDS_ANY_STATE), 0);
   if (reader < 0) return 1;
   while (dds_waitset_wait(waitset, nullptr, 0, DDS_SECS(5)) > 0) {
-    c3rt_v1_RobotState state;
+    c3rt_v2_RobotState state;
     void* sample = &state;
     dds_sample_info_t info;
     while (dds_take(reader, &sample, &info, 1, 1) == 1) {

@@ -10,7 +10,7 @@ from cyclonedds.domain import DomainParticipant
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-from c3rt.v1 import RobotState
+from c3rt.v2 import RobotState
 
 topic = Topic(DomainParticipant(domain), "robot/state", RobotState)
 reader = DataReader(topic.participant, topic, Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(100)))

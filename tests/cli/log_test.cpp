@@ -72,7 +72,7 @@ TEST_CASE("the hash does not see the padding between the fields") {
       std::fill(values, values + 7, 0.0);
     std::fill(target.p_WE_m, target.p_WE_m + 3, 0.0);
     std::fill(target.q_WE, target.q_WE + 4, 0.0);
-    target.mode = c3rt_v1_ROBOT_IDLE;
+    target.mode = c3rt_v2_ROBOT_IDLE;
     target.errors = 0;
     target.command_success_rate = 0.0;
     target.command_seq = 0;

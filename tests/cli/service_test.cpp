@@ -178,7 +178,7 @@ TEST_CASE("service: hz tells keys and writers apart, topics shows who reads and 
   CHECK_THAT(hz.output, !Contains("min -"));
   const Outcome topics = service.c3rt("topics --peers" + service.on_domain());
   CHECK(topics.status == 0);
-  CHECK_THAT(topics.output, Contains("c3rt::v1::RobotState") &&
+  CHECK_THAT(topics.output, Contains("c3rt::v2::RobotState") &&
                                 Contains("writers readers  rate Hz") &&
                                 Contains("best effort, volatile, keep last 1, deadline 20 ms") &&
                                 Contains("writer ") && Contains("reader ") && Contains("a stub"));

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
     if (const char* text = value("--dds-profile=")) settings.profile_uri = text;
   }
   const std::string name = argv[0];
-  wire::Process process = c3rt_v1_PROCESS_PLANT;
+  wire::Process process = c3rt_v2_PROCESS_PLANT;
   for (int i = 0; i < wire::kProcessCount; ++i) {
     const auto candidate = static_cast<wire::Process>(i);
     if (name.find(std::string("c3rt-") + wire::process_name(candidate)) != std::string::npos)
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   }
   wire::Bus bus(settings);
   wire::StatusReporter status(bus, process);
-  status.set_state(c3rt_v1_SERVICE_RUNNING, "a stub");
+  status.set_state(c3rt_v2_SERVICE_RUNNING, "a stub");
   wire::Reader<wire::ServiceRequest> requests(bus);
   wire::Reader<wire::ServiceStatus> statuses(bus, 64);
   wire::Reader<wire::TaskTarget> targets(bus);
@@ -45,26 +45,26 @@ int main(int argc, char** argv) {
     wire::ServiceRequest request{};
     while (requests.take(request)) {
       if (request.process != process) continue;
-      if (request.verb == c3rt_v1_REQUEST_RECOVER)
-        status.set_state(c3rt_v1_SERVICE_RUNNING, "a stub");
-      if (request.verb == c3rt_v1_REQUEST_STOP)
-        status.set_state(c3rt_v1_SERVICE_DEGRADED, "stopped by a person; request recover");
+      if (request.verb == c3rt_v2_REQUEST_RECOVER)
+        status.set_state(c3rt_v2_SERVICE_RUNNING, "a stub");
+      if (request.verb == c3rt_v2_REQUEST_STOP)
+        status.set_state(c3rt_v2_SERVICE_DEGRADED, "stopped by a person; request recover");
       replies.answer(request.request_id, true, "done", rt::now_ns());
     }
     wire::TaskTarget target{};
     while (targets.take(target)) {
-      if (process != c3rt_v1_PROCESS_PLANNER) continue;
-      status.set_state(c3rt_v1_SERVICE_RUNNING, "a stub, told target " +
+      if (process != c3rt_v2_PROCESS_PLANNER) continue;
+      status.set_state(c3rt_v2_SERVICE_RUNNING, "a stub, told target " +
                                                     std::to_string(target.kind) + " with radius " +
                                                     std::to_string(target.radius_m));
-      replies.answer(target.request_id, target.kind != c3rt_v1_TARGET_POINT, "of the stub",
+      replies.answer(target.request_id, target.kind != c3rt_v2_TARGET_POINT, "of the stub",
                      rt::now_ns());
     }
     wire::ServiceStatus other{};
     while (statuses.take(other)) {
-      if (process != c3rt_v1_PROCESS_PLANT || other.process != c3rt_v1_PROCESS_IMPEDANCE) continue;
+      if (process != c3rt_v2_PROCESS_PLANT || other.process != c3rt_v2_PROCESS_IMPEDANCE) continue;
       if (impedance != 0 && other.pid != impedance)
-        status.set_state(c3rt_v1_SERVICE_DEGRADED, "reflex: of the stub");
+        status.set_state(c3rt_v2_SERVICE_DEGRADED, "reflex: of the stub");
       impedance = other.pid;
     }
   }

@@ -396,11 +396,11 @@ TEST_CASE("Replies: a refused request is answered with the reason by the process
   Bus client(test::settings()), bus(test::settings(ClockMode::kRealtime, 7));
   Reader<FaultInject> faults(bus);
   Reader<ServiceReply> answers(client);
-  Replies plant(bus, c3rt_v1_PROCESS_PLANT), vision(bus, c3rt_v1_PROCESS_VISION);
+  Replies plant(bus, c3rt_v2_PROCESS_PLANT), vision(bus, c3rt_v2_PROCESS_VISION);
   RawWriter writer(client, topic<FaultInject>());
   FaultInject fault{};
-  fault.process = c3rt_v1_PROCESS_PLANT;
-  fault.kind = c3rt_v1_FAULT_PUSH_BALL;
+  fault.process = c3rt_v2_PROCESS_PLANT;
+  fault.kind = c3rt_v2_FAULT_PUSH_OBJECT;
   fault.value[2] = std::nan("");
   fault.request_id = 41;
   writer.write(fault, 0, 1);
@@ -630,7 +630,7 @@ TEST_CASE("Bus: a peer with incompatible QoS or another type is reported by topi
   CHECK_THAT(text["robot/state"], Catch::Contains(pid));
   CHECK_THAT(
       text["plan"],
-      Catch::Contains("has type c3rt::v1::RobotCommand, this reader has type c3rt::v2::Plan"));
+      Catch::Contains("has type c3rt::v2::RobotCommand, this reader has type c3rt::v2::Plan"));
   CHECK_THAT(text["task/target"],
              Catch::Contains("offers VOLATILE, this reader requests TRANSIENT_LOCAL"));
 }
@@ -703,9 +703,9 @@ TEST_CASE(
 TEST_CASE("Writer: what is addressed to one process reaches it and who reads all, nobody else") {
   Bus plant(test::settings(ClockMode::kLockstep, 1)), planner(test::settings(ClockMode::kLockstep)),
       vision(test::settings(ClockMode::kLockstep)), client(test::settings());
-  Writer<Tick> to_planner(plant, c3rt_v1_PROCESS_PLANNER), to_vision(plant, c3rt_v1_PROCESS_VISION);
-  Reader<Tick> at_planner(planner, 64, Wakes::kBus, c3rt_v1_PROCESS_PLANNER),
-      at_vision(vision, 64, Wakes::kBus, c3rt_v1_PROCESS_VISION), at_client(client);
+  Writer<Tick> to_planner(plant, c3rt_v2_PROCESS_PLANNER), to_vision(plant, c3rt_v2_PROCESS_VISION);
+  Reader<Tick> at_planner(planner, 64, Wakes::kBus, c3rt_v2_PROCESS_PLANNER),
+      at_vision(vision, 64, Wakes::kBus, c3rt_v2_PROCESS_VISION), at_client(client);
   REQUIRE(eventually(
       [&] { return to_planner.matched_readers() == 2 && to_vision.matched_readers() == 2; }));
   Tick tick{};

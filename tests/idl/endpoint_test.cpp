@@ -36,14 +36,14 @@ struct World {
              replies.matched_writers() > 0;
     }));
   }
-  void ask(std::uint64_t id, Process process, c3rt_v1_RequestVerb verb) {
+  void ask(std::uint64_t id, Process process, c3rt_v2_RequestVerb verb) {
     ServiceRequest request{};
     request.request_id = id;
     request.process = process;
     request.verb = verb;
     REQUIRE(requests.write(request, rt::now_ns()));
   }
-  void inject(std::uint64_t id, Process process, c3rt_v1_FaultKind kind, double duration) {
+  void inject(std::uint64_t id, Process process, c3rt_v2_FaultKind kind, double duration) {
     FaultInject fault{};
     fault.request_id = id;
     fault.process = process;
@@ -75,34 +75,34 @@ struct World {
 };
 
 TEST_CASE("endpoint: a process obeys its own requests in order, and never sees a shutdown") {
-  World world(c3rt_v1_PROCESS_VISION);
-  std::vector<c3rt_v1_RequestVerb> obeyed;
-  world.ask(1, c3rt_v1_PROCESS_VISION, c3rt_v1_REQUEST_SHUTDOWN);
-  world.ask(2, c3rt_v1_PROCESS_PLANNER, c3rt_v1_REQUEST_STOP);
-  world.ask(3, c3rt_v1_PROCESS_VISION, c3rt_v1_REQUEST_STOP);
-  world.ask(4, c3rt_v1_PROCESS_VISION, c3rt_v1_REQUEST_RECOVER);
+  World world(c3rt_v2_PROCESS_VISION);
+  std::vector<c3rt_v2_RequestVerb> obeyed;
+  world.ask(1, c3rt_v2_PROCESS_VISION, c3rt_v2_REQUEST_SHUTDOWN);
+  world.ask(2, c3rt_v2_PROCESS_PLANNER, c3rt_v2_REQUEST_STOP);
+  world.ask(3, c3rt_v2_PROCESS_VISION, c3rt_v2_REQUEST_STOP);
+  world.ask(4, c3rt_v2_PROCESS_VISION, c3rt_v2_REQUEST_RECOVER);
   const ServiceReply reply = world.reply_to(4, [&] {
     world.endpoint.serve_requests(rt::now_ns(),
-                                  [&](c3rt_v1_RequestVerb verb) -> std::optional<Answer> {
+                                  [&](c3rt_v2_RequestVerb verb) -> std::optional<Answer> {
                                     obeyed.push_back(verb);
-                                    return Answer{verb == c3rt_v1_REQUEST_RECOVER, "heard"};
+                                    return Answer{verb == c3rt_v2_REQUEST_RECOVER, "heard"};
                                   });
   });
-  CHECK(obeyed == std::vector<c3rt_v1_RequestVerb>{c3rt_v1_REQUEST_STOP, c3rt_v1_REQUEST_RECOVER});
+  CHECK(obeyed == std::vector<c3rt_v2_RequestVerb>{c3rt_v2_REQUEST_STOP, c3rt_v2_REQUEST_RECOVER});
   CHECK(reply.ok);
-  CHECK(reply.process == c3rt_v1_PROCESS_VISION);
+  CHECK(reply.process == c3rt_v2_PROCESS_VISION);
   CHECK(std::string(reply.text) == "heard");
 }
 
 TEST_CASE("endpoint: what is not answered at once is judged after two cycles, at last when late") {
-  World world(c3rt_v1_PROCESS_PLANT);
-  world.ask(1, c3rt_v1_PROCESS_PLANT, c3rt_v1_REQUEST_STOP);
+  World world(c3rt_v2_PROCESS_PLANT);
+  world.ask(1, c3rt_v2_PROCESS_PLANT, c3rt_v2_REQUEST_STOP);
   int obeyed = 0, judged = 0;
   constexpr std::uint64_t kTaken = 100;
   REQUIRE(eventually([&] {
     world.endpoint.serve_requests(
         rt::now_ns(),
-        [&](c3rt_v1_RequestVerb) {
+        [&](c3rt_v2_RequestVerb) {
           ++obeyed;
           return std::optional<Answer>();
         },
@@ -110,8 +110,8 @@ TEST_CASE("endpoint: what is not answered at once is judged after two cycles, at
     return obeyed == 1;
   }));
   bool was_late = false;
-  const auto judge = [&](c3rt_v1_RequestVerb verb, bool late) {
-    CHECK(verb == c3rt_v1_REQUEST_STOP);
+  const auto judge = [&](c3rt_v2_RequestVerb verb, bool late) {
+    CHECK(verb == c3rt_v2_REQUEST_STOP);
     ++judged;
     was_late = late;
     return late ? std::optional<Answer>({false, "does not stand yet"}) : std::nullopt;
@@ -132,8 +132,8 @@ TEST_CASE("endpoint: what is not answered at once is judged after two cycles, at
 }
 
 TEST_CASE("endpoint: of every process, a fault that no world could do is answered, not done") {
-  for (const Process process : {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE,
-                                c3rt_v1_PROCESS_PLANNER, c3rt_v1_PROCESS_VISION}) {
+  for (const Process process : {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE,
+                                c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION}) {
     World world(process);
     int injected = 0;
     const auto serve = [&] {
@@ -143,7 +143,7 @@ TEST_CASE("endpoint: of every process, a fault that no world could do is answere
       });
     };
     std::uint64_t id = 0;
-    for (const auto kind : {c3rt_v1_FAULT_STALL, c3rt_v1_FAULT_NAN}) {
+    for (const auto kind : {c3rt_v2_FAULT_STALL, c3rt_v2_FAULT_NAN}) {
       for (const double bad : {kNan, kInfinity, -kInfinity, -1.0, 0.0, 1e9}) {
         CAPTURE(process_name(process), kind, bad);
         world.inject(++id, process, kind, bad);
@@ -153,7 +153,7 @@ TEST_CASE("endpoint: of every process, a fault that no world could do is answere
       }
     }
     CHECK(injected == 0);
-    world.inject(++id, process, c3rt_v1_FAULT_STALL, 1.0);
+    world.inject(++id, process, c3rt_v2_FAULT_STALL, 1.0);
     const ServiceReply reply = world.reply_to(id, serve);
     CHECK(reply.ok);
     CHECK(injected == 1);
@@ -163,20 +163,20 @@ TEST_CASE("endpoint: of every process, a fault that no world could do is answere
 }
 
 TEST_CASE("endpoint: a fault of another process is left alone; one that cannot act says why") {
-  World world(c3rt_v1_PROCESS_VISION, {{}, 3});
-  std::vector<c3rt_v1_FaultKind> injected;
+  World world(c3rt_v2_PROCESS_VISION, {{}, 3});
+  std::vector<c3rt_v2_FaultKind> injected;
   const auto serve = [&] {
     world.endpoint.serve_faults(rt::now_ns(), [&](const FaultInject& fault) {
       injected.push_back(fault.kind);
       return std::string("too many faults at once");
     });
   };
-  world.inject(1, c3rt_v1_PROCESS_PLANNER, c3rt_v1_FAULT_STALL, 1.0);
-  world.inject(2, c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_LOSE_BALL, 1.0);
+  world.inject(1, c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_STALL, 1.0);
+  world.inject(2, c3rt_v2_PROCESS_VISION, c3rt_v2_FAULT_LOSE_OBJECT, 1.0);
   const ServiceReply reply = world.reply_to(2, serve);
   CHECK_FALSE(reply.ok);
   CHECK(std::string(reply.text) == "refused: too many faults at once");
-  CHECK(injected == std::vector<c3rt_v1_FaultKind>{c3rt_v1_FAULT_LOSE_BALL});
+  CHECK(injected == std::vector<c3rt_v2_FaultKind>{c3rt_v2_FAULT_LOSE_OBJECT});
   REQUIRE(world.log.size() == 1);
   CHECK(world.log.back().first);
 }
@@ -185,10 +185,10 @@ TEST_CASE("endpoint: a stall and a NaN last as long as was asked, or until every
   FaultWindows windows;
   CHECK_FALSE(windows.stalls(kSecond));
   FaultInject fault{};
-  fault.kind = c3rt_v1_FAULT_STALL;
+  fault.kind = c3rt_v2_FAULT_STALL;
   fault.duration_s = 0.5;
   windows.begin(fault, kSecond);
-  fault.kind = c3rt_v1_FAULT_NAN;
+  fault.kind = c3rt_v2_FAULT_NAN;
   fault.duration_s = 2.0;
   windows.begin(fault, kSecond);
   CHECK(windows.stalls(kSecond + 500 * kMs - 1));
@@ -196,11 +196,11 @@ TEST_CASE("endpoint: a stall and a NaN last as long as was asked, or until every
   CHECK(windows.spoils(3 * kSecond - 1));
   CHECK_FALSE(windows.spoils(3 * kSecond));
   // other kinds are not its business
-  fault.kind = c3rt_v1_FAULT_LOSE_BALL;
+  fault.kind = c3rt_v2_FAULT_LOSE_OBJECT;
   fault.duration_s = 100.0;
   windows.begin(fault, kSecond);
   CHECK_FALSE(windows.spoils(3 * kSecond));
-  fault.kind = c3rt_v1_FAULT_NONE;
+  fault.kind = c3rt_v2_FAULT_NONE;
   fault.duration_s = kNan;
   windows.begin(fault, kSecond);
   CHECK_FALSE(windows.stalls(kSecond));
@@ -209,16 +209,16 @@ TEST_CASE("endpoint: a stall and a NaN last as long as was asked, or until every
 
 TEST_CASE(
     "endpoint: what a process says of itself is new only when it differs, and is its status") {
-  World world(c3rt_v1_PROCESS_PLANNER);
-  CHECK(world.endpoint.say(c3rt_v1_SERVICE_RUNNING, "rolls"));
-  CHECK_FALSE(world.endpoint.say(c3rt_v1_SERVICE_RUNNING, "rolls"));
-  CHECK(world.endpoint.say(c3rt_v1_SERVICE_DEGRADED, "rolls"));
+  World world(c3rt_v2_PROCESS_PLANNER);
+  CHECK(world.endpoint.say(c3rt_v2_SERVICE_RUNNING, "rolls"));
+  CHECK_FALSE(world.endpoint.say(c3rt_v2_SERVICE_RUNNING, "rolls"));
+  CHECK(world.endpoint.say(c3rt_v2_SERVICE_DEGRADED, "rolls"));
   ServiceStatus status{};
   CHECK(eventually([&] {
     world.statuses.take_newest(status);
-    return status.state == c3rt_v1_SERVICE_DEGRADED && std::string(status.text) == "rolls";
+    return status.state == c3rt_v2_SERVICE_DEGRADED && std::string(status.text) == "rolls";
   }));
-  CHECK(status.process == c3rt_v1_PROCESS_PLANNER);
+  CHECK(status.process == c3rt_v2_PROCESS_PLANNER);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInfinity = std::numeric_limits<double>::infinity();
 const FaultScope kScope{{0.132, 0.132}, 3};
 
-FaultInject fault(Process process, c3rt_v1_FaultKind kind, double duration = 1.0, int index = 0) {
+FaultInject fault(Process process, c3rt_v2_FaultKind kind, double duration = 1.0, int index = 0) {
   FaultInject sample{};
   sample.process = process;
   sample.kind = kind;
@@ -24,7 +24,7 @@ FaultInject fault(Process process, c3rt_v1_FaultKind kind, double duration = 1.0
 }
 
 FaultInject push(double x, double y, double z, int ball = 0) {
-  FaultInject sample = fault(c3rt_v1_PROCESS_PLANT, c3rt_v1_FAULT_PUSH_BALL, 0.0, ball);
+  FaultInject sample = fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_PUSH_OBJECT, 0.0, ball);
   sample.value[0] = x;
   sample.value[1] = y;
   sample.value[2] = z;
@@ -51,20 +51,20 @@ TEST_CASE("faults: a push is of finite numbers, on a ball that is there, and no 
 }
 
 TEST_CASE("faults: what lasts has a duration that ends") {
-  for (const auto kind : {c3rt_v1_FAULT_STALL, c3rt_v1_FAULT_NAN, c3rt_v1_FAULT_DROP_COMMANDS}) {
-    CHECK(refusal(fault(c3rt_v1_PROCESS_PLANT, kind), kScope).empty());
+  for (const auto kind : {c3rt_v2_FAULT_STALL, c3rt_v2_FAULT_NAN, c3rt_v2_FAULT_DROP_COMMANDS}) {
+    CHECK(refusal(fault(c3rt_v2_PROCESS_PLANT, kind), kScope).empty());
     for (const double bad : {kNan, kInfinity, -kInfinity, 0.0, -1.0, 1e6}) {
       CAPTURE(bad, kind);
-      CHECK_THAT(refusal(fault(c3rt_v1_PROCESS_PLANT, kind, bad), kScope),
+      CHECK_THAT(refusal(fault(c3rt_v2_PROCESS_PLANT, kind, bad), kScope),
                  Contains("expected a duration of more than 0 and at most 3600 s, got"));
     }
   }
-  CHECK(refusal(fault(c3rt_v1_PROCESS_PLANT, c3rt_v1_FAULT_NONE, kNan), kScope).empty());
+  CHECK(refusal(fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_NONE, kNan), kScope).empty());
 }
 
 TEST_CASE("faults: a camera is one that the scenario has") {
   const auto freeze = [](int camera, int cameras) {
-    return refusal(fault(c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_FREEZE_CAMERA, 1.0, camera),
+    return refusal(fault(c3rt_v2_PROCESS_VISION, c3rt_v2_FAULT_FREEZE_CAMERA, 1.0, camera),
                    {{}, cameras});
   };
   CHECK(freeze(2, 3).empty());
@@ -76,11 +76,11 @@ TEST_CASE("faults: a camera is one that the scenario has") {
 }
 
 TEST_CASE("faults: each process has its own kinds, and others are refused by name") {
-  CHECK_THAT(refusal(fault(c3rt_v1_PROCESS_PLANNER, c3rt_v1_FAULT_PUSH_BALL), kScope),
+  CHECK_THAT(refusal(fault(c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_PUSH_OBJECT), kScope),
              Contains("expected none, stall or nan of planner, got push-ball"));
-  CHECK_THAT(refusal(fault(c3rt_v1_PROCESS_PLANT, c3rt_v1_FAULT_LOSE_BALL), kScope),
+  CHECK_THAT(refusal(fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_LOSE_OBJECT), kScope),
              Contains("push-ball, drop-commands") && Contains("got lose-ball"));
   CHECK_FALSE(
-      refusal(fault(c3rt_v1_PROCESS_PLANT, static_cast<c3rt_v1_FaultKind>(7)), kScope).empty());
-  CHECK_FALSE(refusal(fault(c3rt_v1_PROCESS_RECORDER, c3rt_v1_FAULT_STALL), kScope).empty());
+      refusal(fault(c3rt_v2_PROCESS_PLANT, static_cast<c3rt_v2_FaultKind>(7)), kScope).empty());
+  CHECK_FALSE(refusal(fault(c3rt_v2_PROCESS_RECORDER, c3rt_v2_FAULT_STALL), kScope).empty());
 }

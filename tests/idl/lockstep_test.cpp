@@ -33,7 +33,7 @@ int impedance() {
   Reader<RobotState> states(bus);
   Reader<Plan> plans(bus);
   Writer<RobotCommand> commands(bus);
-  Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
+  Loop loop(bus, {c3rt_v2_PROCESS_IMPEDANCE, kMs});
   auto state = plain<RobotState>();
   auto plan = plain<Plan>();
   RobotCommand command{};
@@ -57,7 +57,7 @@ int planner() {
   Bus bus(test::settings(ClockMode::kLockstep));
   Reader<RobotState> states(bus);
   Writer<Plan> plans(bus);
-  Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, kPlanPeriod_ns});
+  Loop loop(bus, {c3rt_v2_PROCESS_PLANNER, kPlanPeriod_ns});
   auto state = plain<RobotState>();
   auto plan = plain<Plan>();
   std::int64_t now_ns = 0;
@@ -89,7 +89,7 @@ Run run(int ticks) {
     Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
     Writer<RobotState> states(bus);
     Reader<RobotCommand> commands(bus);
-    LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond);
+    LockstepMaster master(bus, {c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER}, 10 * kSecond);
     auto state = plain<RobotState>();
     RobotCommand command{};
     for (int k = 0; k < ticks; ++k) {
@@ -154,7 +154,7 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
     const StopFlag stop;
     Bus bus(test::settings(ClockMode::kLockstep));
     Writer<ObjectEstimate> estimates(bus);
-    Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs, 3 * kMs});
+    Loop loop(bus, {c3rt_v2_PROCESS_VISION, 10 * kMs, 3 * kMs});
     auto estimate = plain<ObjectEstimate>();
     std::int64_t now_ns = 0;
     while (loop.wait(now_ns)) estimates.write(estimate, now_ns);
@@ -163,7 +163,7 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
   {
     Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
     Reader<ObjectEstimate> estimates(bus);
-    LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 10 * kSecond);
+    LockstepMaster master(bus, {c3rt_v2_PROCESS_VISION}, 10 * kSecond);
     auto estimate = plain<ObjectEstimate>();
     std::vector<std::int64_t> acted_ms;
     for (int k = 0; k < 40; ++k) {
@@ -179,7 +179,7 @@ TEST_CASE("lockstep: a process acts at phase + k * period and at no other tick")
 TEST_CASE("LockstepMaster: names the processes that did not join") {
   Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
   CHECK_THROWS_WITH(
-      LockstepMaster(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_VISION}, 200 * kMs),
+      LockstepMaster(bus, {c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_VISION}, 200 * kMs),
       "did not join the lockstep run within 0.2 s: impedance, vision");
 }
 
@@ -187,7 +187,7 @@ TEST_CASE("LockstepMaster: names the process that died, and the tick") {
   Child survivor([] { return impedance(); });
   Child child([] {
     Bus bus(test::settings(ClockMode::kLockstep));
-    Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, kMs});
+    Loop loop(bus, {c3rt_v2_PROCESS_PLANNER, kMs});
     std::int64_t now_ns = 0;
     while (loop.wait(now_ns) && now_ns < 10 * kMs) {
     }
@@ -196,7 +196,7 @@ TEST_CASE("LockstepMaster: names the process that died, and the tick") {
   });
   Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
   Writer<RobotState> states(bus);
-  LockstepMaster master(bus, {c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}, 10 * kSecond,
+  LockstepMaster master(bus, {c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER}, 10 * kSecond,
                         kSecond);
   auto state = plain<RobotState>();
   int ticks = 0;
@@ -212,7 +212,7 @@ TEST_CASE("LockstepMaster: notices a process that closed its bus without answeri
   Child child([] {
     {
       Bus bus(test::settings(ClockMode::kLockstep));
-      Loop loop(bus, {c3rt_v1_PROCESS_PLANNER, kMs});
+      Loop loop(bus, {c3rt_v2_PROCESS_PLANNER, kMs});
       std::int64_t now_ns = 0;
       while (loop.wait(now_ns) && now_ns < 3 * kMs) {
       }
@@ -221,7 +221,7 @@ TEST_CASE("LockstepMaster: notices a process that closed its bus without answeri
     return 0;
   });
   Bus bus(test::settings(ClockMode::kLockstep, draw_session()));
-  LockstepMaster master(bus, {c3rt_v1_PROCESS_PLANNER}, 10 * kSecond, 3 * kSecond);
+  LockstepMaster master(bus, {c3rt_v2_PROCESS_PLANNER}, 10 * kSecond, 3 * kSecond);
   int ticks = 0;
   while (master.advance(ticks * kMs)) ++ticks;
   CHECK(master.failure() == "planner left the run before answering the tick of 0.003 s");
@@ -229,7 +229,7 @@ TEST_CASE("LockstepMaster: notices a process that closed its bus without answeri
 
 TEST_CASE("Loop: without a plant it gives up with a sentence") {
   Bus bus(test::settings(ClockMode::kLockstep));
-  Loop::Settings settings{c3rt_v1_PROCESS_VISION, kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_VISION, kMs};
   settings.join_timeout_ns = 300 * kMs;
   Loop loop(bus, settings);
   std::int64_t now_ns = 0;
@@ -239,7 +239,7 @@ TEST_CASE("Loop: without a plant it gives up with a sentence") {
 
 TEST_CASE("Loop: when the plant leaves it gives up with a sentence that says when") {
   Bus bus(test::settings(ClockMode::kLockstep));
-  Loop::Settings settings{c3rt_v1_PROCESS_VISION, kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_VISION, kMs};
   settings.gone_timeout_ns = kSecond / 2;
   Loop loop(bus, settings);
   std::int64_t now_ns = 0;
@@ -247,7 +247,7 @@ TEST_CASE("Loop: when the plant leaves it gives up with a sentence that says whe
     Bus plant(test::settings(ClockMode::kLockstep, 1));
     Writer<Tick> ticks(plant);
     Tick tick{};
-    tick.due = 1u << c3rt_v1_PROCESS_VISION;
+    tick.due = 1u << c3rt_v2_PROCESS_VISION;
     ticks.write(tick, 7 * kMs);
     REQUIRE(loop.wait(now_ns));
     CHECK(now_ns == 7 * kMs);
@@ -261,11 +261,11 @@ TEST_CASE("Loop: names the topic whose promised sample does not come") {
   Writer<Tick> ticks(plant);
   Reader<RobotState> states(bus);
   Reader<Scene> scenes(bus);
-  Loop::Settings settings{c3rt_v1_PROCESS_VISION, kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_VISION, kMs};
   settings.gone_timeout_ns = kSecond / 2;
   Loop loop(bus, settings);
   Tick tick{};
-  tick.due = 1u << c3rt_v1_PROCESS_VISION;
+  tick.due = 1u << c3rt_v2_PROCESS_VISION;
   tick.newest_seq[topic<Scene>().stream] = 4;
   ticks.write(tick, 7 * kMs);
   std::int64_t now_ns = 0;
@@ -281,7 +281,7 @@ TEST_CASE("Loop: a signal ends the wait, and that is no failure") {
     Child child([clock, ready] {
       const StopFlag stop;
       Bus bus(test::settings(clock));
-      Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs});
+      Loop loop(bus, {c3rt_v2_PROCESS_VISION, 10 * kMs});
       if (write(ready[1], "r", 1) != 1) return 4;
       std::int64_t now_ns = 0;
       while (loop.wait(now_ns)) {

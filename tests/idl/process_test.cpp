@@ -177,7 +177,7 @@ TEST_CASE("Signal: raised before the wait is not lost, and is used up by it") {
 TEST_CASE("Loop: in realtime it is woken on its grid and measures how late") {
   StopFlag::clear();
   Bus bus(test::settings());
-  Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
+  Loop loop(bus, {c3rt_v2_PROCESS_IMPEDANCE, kMs});
   std::int64_t now_ns = 0, previous_ns = 0;
   for (int i = 0; i < 50; ++i) {
     REQUIRE(loop.wait(now_ns));
@@ -192,7 +192,7 @@ TEST_CASE("Loop: waiting in realtime does not allocate") {
   if (!support::AllocationCounter::counts()) return;
   StopFlag::clear();
   Bus bus(test::settings());
-  Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, kMs});
+  Loop loop(bus, {c3rt_v2_PROCESS_IMPEDANCE, kMs});
   std::int64_t now_ns = 0, heap_calls = -1;
   bool all = true;
   {
@@ -208,7 +208,7 @@ TEST_CASE("Loop: in realtime a cycle answers what arrives, and a timer only its 
   StopFlag::clear();
   Bus bus(test::settings());
   Signal arrival;
-  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, 200 * kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_IMPEDANCE, 200 * kMs};
   settings.arrival = &arrival;
   Loop loop(bus, settings);
   std::int64_t now_ns = 0;
@@ -236,7 +236,7 @@ TEST_CASE("Loop: cycles that this thread slept through are missed, with arrivals
   StopFlag::clear();
   Bus bus(test::settings());
   Signal arrival;
-  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, 20 * kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_IMPEDANCE, 20 * kMs};
   settings.arrival = &arrival;
   Loop loop(bus, settings);
   std::int64_t now_ns = 0;
@@ -268,7 +268,7 @@ TEST_CASE("Loop: waiting for an arrival does not allocate") {
   StopFlag::clear();
   Bus bus(test::settings());
   Signal arrival;
-  Loop::Settings settings{c3rt_v1_PROCESS_IMPEDANCE, kMs};
+  Loop::Settings settings{c3rt_v2_PROCESS_IMPEDANCE, kMs};
   settings.arrival = &arrival;
   Loop loop(bus, settings);
   std::int64_t now_ns = 0, heap_calls = -1;
@@ -288,7 +288,7 @@ TEST_CASE(
     "not ours") {
   test::Child child([] {
     Bus bus(test::settings());
-    Loop loop(bus, {c3rt_v1_PROCESS_VISION, 10 * kMs});
+    Loop loop(bus, {c3rt_v2_PROCESS_VISION, 10 * kMs});
     std::int64_t now_ns = 0;
     while (loop.wait(now_ns)) {
     }
@@ -298,18 +298,18 @@ TEST_CASE(
   Writer<ServiceRequest> requests(client);
   Reader<ServiceReply> replies(client);
   ServiceRequest request{};
-  request.verb = c3rt_v1_REQUEST_SHUTDOWN;
+  request.verb = c3rt_v2_REQUEST_SHUTDOWN;
   request.request_id = 1;
-  request.process = c3rt_v1_PROCESS_PLANNER;
+  request.process = c3rt_v2_PROCESS_PLANNER;
   requests.write(request, 1);
   request.request_id = 2;
-  request.process = c3rt_v1_PROCESS_VISION;
+  request.process = c3rt_v2_PROCESS_VISION;
   requests.write(request, 2);
   ServiceReply reply{};
   REQUIRE(eventually([&] { return replies.take(reply); }));
   CHECK(reply.request_id == 2);
   CHECK(reply.ok);
-  CHECK(reply.process == c3rt_v1_PROCESS_VISION);
+  CHECK(reply.process == c3rt_v2_PROCESS_VISION);
   CHECK(std::string(reply.text) == "vision is shutting down");
   CHECK(child.wait() == 0);
 }
@@ -319,23 +319,23 @@ TEST_CASE("StatusReporter: tells state, counters, quantiles and rate, and says w
   Reader<ServiceStatus> reader(client);
   ServiceStatus status{};
   {
-    StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANNER);
+    StatusReporter reporter(bus, c3rt_v2_PROCESS_PLANNER);
     REQUIRE(eventually([&] { return reader.take(status); }));
-    CHECK(status.state == c3rt_v1_SERVICE_STARTING);
+    CHECK(status.state == c3rt_v2_SERVICE_STARTING);
     CHECK(status.header.session_id == 9);
     CHECK(status.pid == getpid());
     std::atomic<std::uint64_t>& overruns = reporter.counter("overruns");
     CHECK(&reporter.counter("overruns") == &overruns);
     overruns += 3;
-    reporter.set_state(c3rt_v1_SERVICE_RUNNING, "rolling");
+    reporter.set_state(c3rt_v2_SERVICE_RUNNING, "rolling");
     REQUIRE(eventually([&] {
       reporter.compute().add(2e-3);
       usleep(1000);
       (void)reader.take_newest(status);
       return status.rate_hz > 0.0;
     }));
-    CHECK(status.process == c3rt_v1_PROCESS_PLANNER);
-    CHECK(status.state == c3rt_v1_SERVICE_RUNNING);
+    CHECK(status.process == c3rt_v2_PROCESS_PLANNER);
+    CHECK(status.state == c3rt_v2_SERVICE_RUNNING);
     CHECK(std::string(status.text) == "rolling");
     CHECK(std::string(status.counter_names[0]) == "overruns");
     CHECK(status.counters[0] == 3);
@@ -344,7 +344,7 @@ TEST_CASE("StatusReporter: tells state, counters, quantiles and rate, and says w
   }
   REQUIRE(eventually([&] {
     (void)reader.take_newest(status);
-    return status.state == c3rt_v1_SERVICE_STOPPING;
+    return status.state == c3rt_v2_SERVICE_STOPPING;
   }));
 }
 
@@ -354,8 +354,8 @@ TEST_CASE("StatusReporter: a peer that can never be served is told in the text")
   Writer<RobotState> writer(bus);
   Reader<RobotState> wrong_clock(lockstep);
   Reader<ServiceStatus> reader(client);
-  StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANT);
-  reporter.set_state(c3rt_v1_SERVICE_RUNNING, "stepping");
+  StatusReporter reporter(bus, c3rt_v2_PROCESS_PLANT);
+  reporter.set_state(c3rt_v2_SERVICE_RUNNING, "stepping");
   ServiceStatus status{};
   REQUIRE(eventually([&] {
     (void)reader.take_newest(status);
@@ -375,7 +375,7 @@ TEST_CASE(
   Reader<ServiceStatus> reader(client);
   std::mutex mutex;
   std::vector<std::string> told;
-  StatusReporter reporter(bus, c3rt_v1_PROCESS_IMPEDANCE, [&](const std::string& said) {
+  StatusReporter reporter(bus, c3rt_v2_PROCESS_IMPEDANCE, [&](const std::string& said) {
     const std::lock_guard lock(mutex);
     told.push_back(said);
   });
@@ -401,18 +401,18 @@ TEST_CASE(
 
 TEST_CASE("StatusReporter: a text from elsewhere reaches no terminal as a command to it") {
   Bus bus(test::settings()), client(test::settings());
-  StatusReporter reporter(bus, c3rt_v1_PROCESS_PLANT);
-  reporter.set_state(c3rt_v1_SERVICE_FAILED, "a\nb\x1b[2J");
+  StatusReporter reporter(bus, c3rt_v2_PROCESS_PLANT);
+  reporter.set_state(c3rt_v2_SERVICE_FAILED, "a\nb\x1b[2J");
   Reader<ServiceStatus> reader(client);
   ServiceStatus status{};
   REQUIRE(eventually(
-      [&] { return reader.take_newest(status) && status.state == c3rt_v1_SERVICE_FAILED; }));
+      [&] { return reader.take_newest(status) && status.state == c3rt_v2_SERVICE_FAILED; }));
   CHECK(std::string(status.text) == "a b [2J");
 }
 
 TEST_CASE("StatusReporter: a counter too many and a name too long are refused") {
   Bus bus(test::settings());
-  StatusReporter reporter(bus, c3rt_v1_PROCESS_VISION);
+  StatusReporter reporter(bus, c3rt_v2_PROCESS_VISION);
   CHECK_THROWS_AS(reporter.counter(std::string(32, 'n')), WireError);
   for (int i = 0; i < c3rt_v2_COUNTERS; ++i)
     CHECK_NOTHROW(reporter.counter("counter " + std::to_string(i)));

@@ -20,7 +20,7 @@ static_assert(c3rt_v2_HORIZON_FORCES == c3rt_v2_MAX_HORIZON * c3rt_v2_MAX_FORCES
 static_assert(c3rt_v2_HORIZON_INPUTS == c3rt_v2_MAX_HORIZON * c3rt_v2_MAX_INPUTS);
 static_assert(c3rt_v2_MAX_OBJECTS == scene::kMaxBodies, "one capacity");
 static_assert(sizeof(Tick::newest_seq) == sizeof(Done::newest_seq));
-static_assert(sizeof(Tick::newest_seq) == c3rt_v1_TOPIC_COUNT * sizeof(std::uint64_t));
+static_assert(sizeof(Tick::newest_seq) == c3rt_v2_TOPIC_COUNT * sizeof(std::uint64_t));
 static_assert(sizeof(ServiceStatus::counters) == c3rt_v2_COUNTERS * sizeof(std::uint64_t));
 
 std::map<std::string, const Topic*> table_by_name() {
@@ -42,7 +42,7 @@ TEST_CASE("topics: the names are those of the contract, each once") {
 TEST_CASE("topics: a type has its own line of the table") {
   CHECK(kTopics.size() == table::kTopics.size());
   CHECK(topic<Plan>().name == std::string("plan"));
-  CHECK(topic<Plan>().writer == c3rt_v1_PROCESS_PLANNER);
+  CHECK(topic<Plan>().writer == c3rt_v2_PROCESS_PLANNER);
   CHECK(topic<Tick>().trait == Trait::kAddressed);
   int topics = 0;
   for_each_topic([&](const auto& sample) {
@@ -94,9 +94,9 @@ TEST_CASE("fields: every field of every topic's type is visited once, under its 
 }
 
 TEST_CASE("enumerators: the word is what is left without what all of them begin with") {
-  CHECK(name_of(c3rt_v1_ROBOT_USER_STOPPED) == std::string("user stopped"));
-  CHECK(name_of(c3rt_v1_IMPEDANCE_TRACK) == std::string("track"));
-  CHECK(enumerators(c3rt_v1_ROBOT_IDLE) == 4);
+  CHECK(name_of(c3rt_v2_ROBOT_USER_STOPPED) == std::string("user stopped"));
+  CHECK(name_of(c3rt_v2_IMPEDANCE_TRACK) == std::string("track"));
+  CHECK(enumerators(c3rt_v2_ROBOT_IDLE) == 4);
 }
 
 TEST_CASE("topics: no two topics share a type or a place in a tick") {
@@ -107,7 +107,7 @@ TEST_CASE("topics: no two topics share a type or a place in a tick") {
     CHECK(types.insert(topic->descriptor).second);
     if (topic->stream == kNoStream) continue;
     CHECK(places.insert(topic->stream).second);
-    CHECK(topic->stream < c3rt_v1_TOPIC_COUNT);
+    CHECK(topic->stream < c3rt_v2_TOPIC_COUNT);
   }
 }
 
@@ -125,8 +125,7 @@ TEST_CASE("topics: every sample that crosses the network begins with a key or th
 
 TEST_CASE("topics: the version of the contract is in every type's name") {
   for (const auto& [name, topic] : kTopics)
-    CHECK_THAT(std::string(topic->descriptor->m_typename),
-               Catch::StartsWith("c3rt::v1::") || Catch::StartsWith("c3rt::v2::"));
+    CHECK_THAT(std::string(topic->descriptor->m_typename), Catch::StartsWith("c3rt::v2::"));
 }
 
 TEST_CASE("process_name: every process has one") {

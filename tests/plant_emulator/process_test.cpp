@@ -71,7 +71,7 @@ TEST_CASE(
     answer.origin.state_ns = state.header.time_ns;
     commands.write(answer, rt::now_ns());
   };
-  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_MOVE; }, command));
+  REQUIRE(until([&] { return state.mode == c3rt_v2_ROBOT_MOVE; }, command));
   CHECK(state.header.session_id == bus.session_id());
   CHECK(state.command_seq > 0);
   CHECK(state.command_state_ns > 0);
@@ -80,7 +80,7 @@ TEST_CASE(
   CHECK(scene.object_count == 1);
   CHECK(std::abs(scene.objects[0].p_WB_m[0] - 0.55) < 1e-3);
 
-  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, listen));
+  REQUIRE(until([&] { return state.mode == c3rt_v2_ROBOT_REFLEX; }, listen));
   CHECK(state.errors == bit(Error::kCommunicationConstraintsViolation));
   wire::ServiceStatus status{};
   REQUIRE(until(
@@ -89,12 +89,12 @@ TEST_CASE(
                std::strstr(status.text, "communication_constraints_violation") != nullptr;
       },
       listen));
-  CHECK(status.state == c3rt_v1_SERVICE_DEGRADED);
+  CHECK(status.state == c3rt_v2_SERVICE_DEGRADED);
 
   wire::ServiceRequest request{};
   request.request_id = 7;
-  request.process = c3rt_v1_PROCESS_PLANT;
-  request.verb = c3rt_v1_REQUEST_RECOVER;
+  request.process = c3rt_v2_PROCESS_PLANT;
+  request.verb = c3rt_v2_REQUEST_RECOVER;
   requests.write(request, rt::now_ns());
   wire::ServiceReply reply{};
   // the reflex ends, but the robot does not move while nobody commands it, and the answer says so
@@ -102,34 +102,34 @@ TEST_CASE(
   CHECK(reply.request_id == 7);
   CHECK_FALSE(reply.ok);
   CHECK_THAT(reply.text, Catch::Contains("no commands arrive"));
-  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_IDLE; }, listen));
+  REQUIRE(until([&] { return state.mode == c3rt_v2_ROBOT_IDLE; }, listen));
   CHECK(state.errors == 0);
   request.request_id = 8;
   requests.write(request, rt::now_ns());
   REQUIRE(until([&] { return replies.take(reply); }, command));
   CHECK(reply.request_id == 8);
   CHECK(reply.ok);
-  CHECK(state.mode == c3rt_v1_ROBOT_MOVE);
+  CHECK(state.mode == c3rt_v2_ROBOT_MOVE);
 
   wire::FaultInject fault{};
-  fault.process = c3rt_v1_PROCESS_PLANT;
-  fault.kind = c3rt_v1_FAULT_PUSH_BALL;
+  fault.process = c3rt_v2_PROCESS_PLANT;
+  fault.kind = c3rt_v2_FAULT_PUSH_OBJECT;
   fault.value[1] = -0.01;
   faults.write(fault, rt::now_ns());
   REQUIRE(until([&] { return scene.objects[0].v_WB_m_per_s[1] < -0.03; }, command));
-  fault.kind = c3rt_v1_FAULT_NAN;
+  fault.kind = c3rt_v2_FAULT_NAN;
   fault.duration_s = 1000;
   faults.write(fault, rt::now_ns());
   const auto refused = [&] { return states.counters().refused_for(wire::Reason::kValue); };
   REQUIRE(until([&] { return refused() > 10; }, command));
-  fault.kind = c3rt_v1_FAULT_NONE;
+  fault.kind = c3rt_v2_FAULT_NONE;
   faults.write(fault, rt::now_ns());
   std::uint64_t good_seq = 0;
   REQUIRE(until([&] { return std::exchange(good_seq, state.header.seq) != state.header.seq; },
                 command));
-  fault.kind = c3rt_v1_FAULT_DROP_COMMANDS;
+  fault.kind = c3rt_v2_FAULT_DROP_COMMANDS;
   faults.write(fault, rt::now_ns());
-  REQUIRE(until([&] { return state.mode == c3rt_v1_ROBOT_REFLEX; }, command));
+  REQUIRE(until([&] { return state.mode == c3rt_v2_ROBOT_REFLEX; }, command));
 
   const auto counter = [&](const char* wanted) -> std::uint64_t {
     for (int i = 0; i < c3rt_v2_COUNTERS; ++i)
@@ -160,7 +160,7 @@ Trace lockstep_trace() {
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
   wire::Writer<wire::RobotCommand> commands(bus);
-  wire::Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, 1'000'000});
+  wire::Loop loop(bus, {c3rt_v2_PROCESS_IMPEDANCE, 1'000'000});
   Trace trace;
   wire::RobotState state{};
   wire::Scene scene{};
@@ -203,7 +203,7 @@ TEST_CASE(
   wire::Writer<wire::RobotCommand> commands(bus);
   wire::Reader<wire::ServiceReply> replies(bus);
   wire::Writer<wire::ServiceRequest> requests(bus);
-  wire::Loop loop(bus, {c3rt_v1_PROCESS_IMPEDANCE, 1'000'000});
+  wire::Loop loop(bus, {c3rt_v2_PROCESS_IMPEDANCE, 1'000'000});
   wire::RobotState state{};
   std::vector<wire::ServiceReply> answers;
   const auto cycle = [&](bool with_command) {
@@ -221,21 +221,21 @@ TEST_CASE(
     for (int i = 0; i < count; ++i) cycle(with_command);
   };
   cycles(100, true);
-  REQUIRE(state.mode == c3rt_v1_ROBOT_MOVE);
+  REQUIRE(state.mode == c3rt_v2_ROBOT_MOVE);
   wire::ServiceRequest request{};
-  request.process = c3rt_v1_PROCESS_PLANT;
-  request.verb = c3rt_v1_REQUEST_STOP;
+  request.process = c3rt_v2_PROCESS_PLANT;
+  request.verb = c3rt_v2_REQUEST_STOP;
   requests.write(request, 0);
-  for (int i = 0; i < 5000 && state.mode != c3rt_v1_ROBOT_USER_STOPPED; ++i) cycle(true);
-  REQUIRE(state.mode == c3rt_v1_ROBOT_USER_STOPPED);
-  request.verb = c3rt_v1_REQUEST_RECOVER;
+  for (int i = 0; i < 5000 && state.mode != c3rt_v2_ROBOT_USER_STOPPED; ++i) cycle(true);
+  REQUIRE(state.mode == c3rt_v2_ROBOT_USER_STOPPED);
+  request.verb = c3rt_v2_REQUEST_RECOVER;
   request.request_id = 5;
   requests.write(request, 0);
-  for (int i = 0; i < 5000 && state.mode != c3rt_v1_ROBOT_MOVE; ++i) cycle(true);
-  REQUIRE(state.mode == c3rt_v1_ROBOT_MOVE);
+  for (int i = 0; i < 5000 && state.mode != c3rt_v2_ROBOT_MOVE; ++i) cycle(true);
+  REQUIRE(state.mode == c3rt_v2_ROBOT_MOVE);
   // before it is known to have worked, as many are missing as stop the robot
   cycles(kLostCommandsMax + 5, false);
-  REQUIRE(state.mode == c3rt_v1_ROBOT_REFLEX);
+  REQUIRE(state.mode == c3rt_v2_ROBOT_REFLEX);
   cycles(150, true);
   CHECK(answers.empty());
   cycles(600, true);

@@ -44,7 +44,7 @@ class Service {
     requests_.emplace(*bus_);
     faults_.emplace(*bus_);
     targets_.emplace(*bus_);
-    if (!until([&] { return state_.header.time_ns != 0 && status(c3rt_v1_PROCESS_VISION); }, 60.0))
+    if (!until([&] { return state_.header.time_ns != 0 && status(c3rt_v2_PROCESS_VISION); }, 60.0))
       throw std::runtime_error("nothing is heard of the service");
   }
   ~Service() { c3rt("down"); }
@@ -108,11 +108,11 @@ class Service {
   using Answer = std::optional<wire::ServiceReply>;
   /// Of the three that have to do with the arm, as c3rt stop and c3rt recover ask. Empty: all are
   /// well, else what was not.
-  std::string ask(c3rt_v1_RequestVerb verb) {
+  std::string ask(c3rt_v2_RequestVerb verb) {
     answers_ = {};
     std::size_t i = 0;
     for (const wire::Process process :
-         {c3rt_v1_PROCESS_PLANT, c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANNER}) {
+         {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER}) {
       wire::ServiceRequest request{};
       request.process = process;
       request.verb = verb;
@@ -129,13 +129,13 @@ class Service {
     write(sample);
     return answers();
   }
-  std::string target(c3rt_v1_TargetKind kind) {
+  std::string target(c3rt_v2_TargetKind kind) {
     wire::TaskTarget target{};
     target.kind = kind;
     return question(target,
                     [this](wire::TaskTarget& asked) { targets_->write(asked, rt::now_ns()); });
   }
-  std::string inject(wire::Process process, c3rt_v1_FaultKind kind, double seconds) {
+  std::string inject(wire::Process process, c3rt_v2_FaultKind kind, double seconds) {
     wire::FaultInject fault{};
     fault.process = process;
     fault.kind = kind;
@@ -181,7 +181,7 @@ class Service {
   }
   /// Follows commands and the plan.
   bool tracks() const {
-    return state_.mode == c3rt_v1_ROBOT_MOVE && command_.mode == c3rt_v1_IMPEDANCE_TRACK;
+    return state_.mode == c3rt_v2_ROBOT_MOVE && command_.mode == c3rt_v2_IMPEDANCE_TRACK;
   }
 
  private:

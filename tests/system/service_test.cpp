@@ -21,7 +21,7 @@ constexpr int kTimes = 20;
 constexpr auto kLockstep = wire::ClockMode::kLockstep;
 
 std::uint64_t reflexes(const test::Service& service) {
-  return service.counter(c3rt_v1_PROCESS_PLANT, "reflexes");
+  return service.counter(c3rt_v2_PROCESS_PLANT, "reflexes");
 }
 
 }  // namespace
@@ -31,17 +31,17 @@ TEST_CASE("service: twenty stops and recoveries, and never a reflex") {
   REQUIRE(service.until([&] { return service.tracks(); }, 5.0));
   for (int i = 0; i < kTimes; ++i) {
     CAPTURE(i);
-    REQUIRE(service.ask(c3rt_v1_REQUEST_STOP) == "");
-    CHECK(service.state().mode == c3rt_v1_ROBOT_USER_STOPPED);
+    REQUIRE(service.ask(c3rt_v2_REQUEST_STOP) == "");
+    CHECK(service.state().mode == c3rt_v2_ROBOT_USER_STOPPED);
     // answered when the robot has moved and its controller has tracked for 0.4 s
-    REQUIRE(service.ask(c3rt_v1_REQUEST_RECOVER) == "");
-    CHECK(service.state().mode == c3rt_v1_ROBOT_MOVE);
+    REQUIRE(service.ask(c3rt_v2_REQUEST_RECOVER) == "");
+    CHECK(service.state().mode == c3rt_v2_ROBOT_MOVE);
     service.run(0.02 * i);
   }
   CHECK(service.goes_on());
   CHECK(reflexes(service) == 0);
-  CHECK(service.counter(c3rt_v1_PROCESS_PLANT, "lost_commands") == 0);
-  CHECK(service.counter(c3rt_v1_PROCESS_IMPEDANCE, "stops") == kTimes);
+  CHECK(service.counter(c3rt_v2_PROCESS_PLANT, "lost_commands") == 0);
+  CHECK(service.counter(c3rt_v2_PROCESS_IMPEDANCE, "stops") == kTimes);
 }
 
 TEST_CASE("service: twenty stalls and spoilt states of each kind, and never a reflex") {
@@ -49,28 +49,28 @@ TEST_CASE("service: twenty stalls and spoilt states of each kind, and never a re
   REQUIRE(service.until([&] { return service.tracks(); }, 5.0));
   struct Fault {
     wire::Process process;
-    c3rt_v1_FaultKind kind;
+    c3rt_v2_FaultKind kind;
     double seconds, longer;  // every second one [s]
   };
-  for (const Fault& fault : {Fault{c3rt_v1_PROCESS_PLANNER, c3rt_v1_FAULT_STALL, 0.05, 0.4},
-                             Fault{c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_STALL, 0.05, 0.4},
+  for (const Fault& fault : {Fault{c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_STALL, 0.05, 0.4},
+                             Fault{c3rt_v2_PROCESS_VISION, c3rt_v2_FAULT_STALL, 0.05, 0.4},
                              // readers let no such state in, so the servo hears nothing
-                             Fault{c3rt_v1_PROCESS_PLANT, c3rt_v1_FAULT_NAN, 0.015, 0.1}}) {
+                             Fault{c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_NAN, 0.015, 0.1}}) {
     CAPTURE(fault.process, fault.kind);
     for (int i = 0; i < kTimes; ++i) {
       CAPTURE(i);
       const double away = i % 2 == 0 ? fault.seconds : fault.longer;
       REQUIRE(service.inject(fault.process, fault.kind, away) == "");
       service.run(away + 0.15 + 0.01 * i);
-      INFO(service.text(c3rt_v1_PROCESS_PLANT));
-      REQUIRE(service.state().mode == c3rt_v1_ROBOT_MOVE);
+      INFO(service.text(c3rt_v2_PROCESS_PLANT));
+      REQUIRE(service.state().mode == c3rt_v2_ROBOT_MOVE);
     }
     CHECK(service.goes_on());
   }
   CHECK(service.until([&] { return service.tracks(); }, 5.0));
   CHECK(reflexes(service) == 0);
-  CHECK(service.counter(c3rt_v1_PROCESS_PLANT, "faults") == kTimes);
-  CHECK(service.counter(c3rt_v1_PROCESS_PLANT, "lost_commands") == 0);
+  CHECK(service.counter(c3rt_v2_PROCESS_PLANT, "faults") == kTimes);
+  CHECK(service.counter(c3rt_v2_PROCESS_PLANT, "lost_commands") == 0);
 }
 
 TEST_CASE(
@@ -81,14 +81,14 @@ TEST_CASE(
   for (int i = 0; i < kTimes; ++i) {
     CAPTURE(i);
     const bool states = i % 2 == 0;
-    REQUIRE(service.inject(states ? c3rt_v1_PROCESS_PLANT : c3rt_v1_PROCESS_IMPEDANCE,
-                           states ? c3rt_v1_FAULT_NAN : c3rt_v1_FAULT_STALL, 0.4) == "");
-    REQUIRE(service.until([&] { return service.state().mode == c3rt_v1_ROBOT_REFLEX; }, 0.5));
+    REQUIRE(service.inject(states ? c3rt_v2_PROCESS_PLANT : c3rt_v2_PROCESS_IMPEDANCE,
+                           states ? c3rt_v2_FAULT_NAN : c3rt_v2_FAULT_STALL, 0.4) == "");
+    REQUIRE(service.until([&] { return service.state().mode == c3rt_v2_ROBOT_REFLEX; }, 0.5));
     // missing commands and nothing else
     CHECK(service.state().errors == plant::bit(plant::Error::kCommunicationConstraintsViolation));
     REQUIRE(service.until([&] { return service.tracks(); }, 1.5));
     service.run(0.02 * i);
-    REQUIRE(service.state().mode == c3rt_v1_ROBOT_MOVE);
+    REQUIRE(service.state().mode == c3rt_v2_ROBOT_MOVE);
   }
   CHECK(service.goes_on());
   CHECK(reflexes(service) == kTimes);
@@ -101,12 +101,12 @@ TEST_CASE("service: cycles that are missed on the way to the ball, and a hold: n
     REQUIRE(service.until([&] { return service.tracks(); }, 10.0));
     service.run(0.03 * i);
     // fewer than stop the robot
-    REQUIRE(service.inject(c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_FAULT_STALL, 0.001 * (1 + i % 19)) ==
+    REQUIRE(service.inject(c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_FAULT_STALL, 0.001 * (1 + i % 19)) ==
             "");
-    REQUIRE(service.target(i % 2 == 0 ? c3rt_v1_TARGET_HOLD : c3rt_v1_TARGET_SCENARIO) == "");
+    REQUIRE(service.target(i % 2 == 0 ? c3rt_v2_TARGET_HOLD : c3rt_v2_TARGET_SCENARIO) == "");
     service.run(0.3);
-    INFO(service.text(c3rt_v1_PROCESS_PLANT));
-    REQUIRE(service.state().mode == c3rt_v1_ROBOT_MOVE);
+    INFO(service.text(c3rt_v2_PROCESS_PLANT));
+    REQUIRE(service.state().mode == c3rt_v2_ROBOT_MOVE);
   }
   CHECK(reflexes(service) == 0);
 }
@@ -118,12 +118,12 @@ void takes_up_the_ball(wire::ClockMode clock, int times) {
   const auto rolls = [&] {
     return service.plan().phase == std::string("roll") && service.tracks();
   };
-  for (const wire::Process process : {c3rt_v1_PROCESS_PLANNER, c3rt_v1_PROCESS_VISION}) {
+  for (const wire::Process process : {c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION}) {
     for (int i = 0; i < times; ++i) {
       CAPTURE(process, i);
       REQUIRE(service.until([&] { return rolls() && service.ball_speed() > 0.02; }, 30.0));
       service.run(0.4 * i);
-      REQUIRE(service.inject(process, c3rt_v1_FAULT_STALL, 1.0) == "");
+      REQUIRE(service.inject(process, c3rt_v2_FAULT_STALL, 1.0) == "");
       service.run(1.0);
       // the table's resistance stops it near by, and the arm comes back to it
       REQUIRE(service.until([&] { return service.ball_speed() < 1e-3; }, 10.0));
@@ -151,22 +151,22 @@ TEST_CASE("service: each cause of holding has its own words") {
     return service.until([&] { return service.text(process).find(words) != std::string::npos; },
                          8.0);
   };
-  REQUIRE(says(c3rt_v1_PROCESS_PLANNER, "approach"));
-  REQUIRE(service.inject(c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_STALL, 4.0) == "");
+  REQUIRE(says(c3rt_v2_PROCESS_PLANNER, "approach"));
+  REQUIRE(service.inject(c3rt_v2_PROCESS_VISION, c3rt_v2_FAULT_STALL, 4.0) == "");
   CHECK(
-      says(c3rt_v1_PROCESS_PLANNER, "holding: vision is silent: the last estimate of ball 0 is "));
-  REQUIRE(service.inject(c3rt_v1_PROCESS_VISION, c3rt_v1_FAULT_LOSE_BALL, 4.0) == "");
-  CHECK(says(c3rt_v1_PROCESS_PLANNER, "holding: ball 0 is not in view since "));
-  CHECK(says(c3rt_v1_PROCESS_PLANNER, "approach"));
-  REQUIRE(service.inject(c3rt_v1_PROCESS_PLANNER, c3rt_v1_FAULT_STALL, 4.0) == "");
-  CHECK(says(c3rt_v1_PROCESS_IMPEDANCE, "holds its position: the plan is too old"));
-  CHECK(says(c3rt_v1_PROCESS_IMPEDANCE, "tracks the plan"));
-  REQUIRE(service.target(c3rt_v1_TARGET_HOLD) == "");
-  CHECK(says(c3rt_v1_PROCESS_PLANNER, "holding: asked to hold; ball 0 at ("));
-  REQUIRE(service.ask(c3rt_v1_REQUEST_STOP) == "");
-  CHECK(says(c3rt_v1_PROCESS_PLANNER, "stopped by a person; recover ends it"));
-  CHECK(says(c3rt_v1_PROCESS_PLANT, "stopped by a person; request recover"));
-  CHECK(says(c3rt_v1_PROCESS_IMPEDANCE,
+      says(c3rt_v2_PROCESS_PLANNER, "holding: vision is silent: the last estimate of ball 0 is "));
+  REQUIRE(service.inject(c3rt_v2_PROCESS_VISION, c3rt_v2_FAULT_LOSE_OBJECT, 4.0) == "");
+  CHECK(says(c3rt_v2_PROCESS_PLANNER, "holding: ball 0 is not in view since "));
+  CHECK(says(c3rt_v2_PROCESS_PLANNER, "approach"));
+  REQUIRE(service.inject(c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_STALL, 4.0) == "");
+  CHECK(says(c3rt_v2_PROCESS_IMPEDANCE, "holds its position: the plan is too old"));
+  CHECK(says(c3rt_v2_PROCESS_IMPEDANCE, "tracks the plan"));
+  REQUIRE(service.target(c3rt_v2_TARGET_HOLD) == "");
+  CHECK(says(c3rt_v2_PROCESS_PLANNER, "holding: asked to hold; ball 0 at ("));
+  REQUIRE(service.ask(c3rt_v2_REQUEST_STOP) == "");
+  CHECK(says(c3rt_v2_PROCESS_PLANNER, "stopped by a person; recover ends it"));
+  CHECK(says(c3rt_v2_PROCESS_PLANT, "stopped by a person; request recover"));
+  CHECK(says(c3rt_v2_PROCESS_IMPEDANCE,
              "stopped: a stop was requested; damps until a recovery is requested"));
 }
 
@@ -177,10 +177,10 @@ TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest
   };
   REQUIRE(service.until(rolls, 30.0));
   service.run(2.0);
-  REQUIRE(service.target(c3rt_v1_TARGET_HOLD) == "");
+  REQUIRE(service.target(c3rt_v2_TARGET_HOLD) == "");
   REQUIRE(service.until(
       [&] {
-        return service.text(c3rt_v1_PROCESS_PLANNER).find("holding: asked to hold; ball 0 at") == 0;
+        return service.text(c3rt_v2_PROCESS_PLANNER).find("holding: asked to hold; ball 0 at") == 0;
       },
       15.0));
   CHECK(service.ball_speed() < 5e-3);
@@ -188,7 +188,7 @@ TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest
   service.run(3.0);
   CHECK((service.p_WB() - here).norm() < 0.01);
   CHECK(service.p_WE().z() - service.p_WB().z() > 0.06);  // left alone: they touch at 0.051 m
-  REQUIRE(service.target(c3rt_v1_TARGET_SCENARIO) == "");
+  REQUIRE(service.target(c3rt_v2_TARGET_SCENARIO) == "");
   CHECK(service.until(rolls, 30.0));
   CHECK(reflexes(service) == 0);
 }
@@ -239,11 +239,11 @@ TEST_CASE(
   REQUIRE(service.until([&] { return targets.matched(); }, 10.0));
   service.run(0.5);
   const auto refused = [&](const char* reason) {
-    return service.refused(c3rt_v1_PROCESS_PLANNER, "task/target", reason);
+    return service.refused(c3rt_v2_PROCESS_PLANNER, "task/target", reason);
   };
   const auto send = [&](std::uint64_t session, std::uint64_t seq) {
     wire::TaskTarget target{};
-    target.kind = c3rt_v1_TARGET_SCENARIO;
+    target.kind = c3rt_v2_TARGET_SCENARIO;
     return service.question(
         target, [&](const wire::TaskTarget& asked) { targets.write(asked, session, seq); });
   };
@@ -263,8 +263,8 @@ TEST_CASE(
 TEST_CASE("service: each process is killed ten times, and the task goes on within 3 s",
           "[.realtime]") {
   // by hand: the machine decides how long it takes. One of them: -c impedance
-  for (const wire::Process process : {c3rt_v1_PROCESS_PLANNER, c3rt_v1_PROCESS_VISION,
-                                      c3rt_v1_PROCESS_IMPEDANCE, c3rt_v1_PROCESS_PLANT}) {
+  for (const wire::Process process : {c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION,
+                                      c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANT}) {
     DYNAMIC_SECTION(wire::process_name(process)) {
       test::Service service("circle_service", wire::ClockMode::kRealtime);
       std::vector<double> away;

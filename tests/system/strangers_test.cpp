@@ -72,11 +72,11 @@ class Audience {
   const wire::RobotState& state() const { return state_; }
   /// All four speak, of the plant's session, and the arm is commanded.
   bool all_well(std::uint64_t plants_session) const {
-    for (int i = 0; i <= c3rt_v1_PROCESS_VISION; ++i) {
+    for (int i = 0; i <= c3rt_v2_PROCESS_VISION; ++i) {
       const auto& newest = newest_[static_cast<std::size_t>(i)];
       if (!newest || newest->header.session_id != plants_session) return false;
     }
-    return plants_session != 0 && state_.mode == c3rt_v1_ROBOT_MOVE;
+    return plants_session != 0 && state_.mode == c3rt_v2_ROBOT_MOVE;
   }
   std::uint64_t session() const { return state_.header.session_id; }
   std::uint64_t counter(wire::Process process, const char* name) const {
@@ -127,8 +127,8 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
   REQUIRE(audience.eventually(
       [&] {
         return estimates.matched() && plans.matched() && scenes.matched() &&
-               audience.status(c3rt_v1_PROCESS_IMPEDANCE) &&
-               audience.status(c3rt_v1_PROCESS_PLANNER) && audience.status(c3rt_v1_PROCESS_VISION);
+               audience.status(c3rt_v2_PROCESS_IMPEDANCE) &&
+               audience.status(c3rt_v2_PROCESS_PLANNER) && audience.status(c3rt_v2_PROCESS_VISION);
       },
       [] {}));
   lie();
@@ -138,10 +138,10 @@ TEST_CASE("a session comes from the plant alone, whatever strangers tell before 
   states.write(plain<wire::RobotState>(), ~0ull, 1, rt::now_ns());
   REQUIRE(audience.eventually(
       [&] {
-        return audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "second writer") &&
-               audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "plan", "second writer") &&
-               audience.refused(c3rt_v1_PROCESS_VISION, "sim/scene", "second writer") &&
-               audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "second writer");
+        return audience.refused(c3rt_v2_PROCESS_PLANNER, "object/estimate", "second writer") &&
+               audience.refused(c3rt_v2_PROCESS_IMPEDANCE, "plan", "second writer") &&
+               audience.refused(c3rt_v2_PROCESS_VISION, "sim/scene", "second writer") &&
+               audience.refused(c3rt_v2_PROCESS_IMPEDANCE, "robot/state", "second writer");
       },
       [] {}));
   CHECK(audience.all_well(audience.session()));
@@ -182,7 +182,7 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
     plan.knots[0].p_WE_m[0] = 0.4;
     plans.write(plan, audience.session(), seq, now_ns);
     auto state = plain<wire::RobotState>();
-    state.mode = c3rt_v1_ROBOT_REFLEX;
+    state.mode = c3rt_v2_ROBOT_REFLEX;
     states.write(state, audience.session(), seq, now_ns + (seq % 2 == 0 ? 3600 * kSecond : 0));
     obeyed = std::max(obeyed, audience.state().command_seq);
   };
@@ -191,25 +191,25 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
   };
   const bool all_refused = audience.eventually(
       [&] {
-        return count(audience.refused(c3rt_v1_PROCESS_PLANT, "robot/command", "second writer")) >
+        return count(audience.refused(c3rt_v2_PROCESS_PLANT, "robot/command", "second writer")) >
                    500 &&
-               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "plan", "second writer")) > 500 &&
-               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "second writer")) >
+               count(audience.refused(c3rt_v2_PROCESS_IMPEDANCE, "plan", "second writer")) > 500 &&
+               count(audience.refused(c3rt_v2_PROCESS_IMPEDANCE, "robot/state", "second writer")) >
                    200 &&
-               count(audience.refused(c3rt_v1_PROCESS_IMPEDANCE, "robot/state", "header")) > 200;
+               count(audience.refused(c3rt_v2_PROCESS_IMPEDANCE, "robot/state", "header")) > 200;
       },
       push);
   CHECK(all_refused);
   CHECK(obeyed > 0);
   CHECK(obeyed < kFirst);
-  const auto named = audience.refused(c3rt_v1_PROCESS_PLANT, "robot/command", "second writer");
+  const auto named = audience.refused(c3rt_v2_PROCESS_PLANT, "robot/command", "second writer");
   REQUIRE(named);
   CHECK_THAT(std::string(named->latest), Catch::Contains("(pid " + std::to_string(getpid()) + ")"));
 }
 
 /// Whether the robot was stopped by more than a machine that is busy elsewhere.
 bool own_reflex(const wire::RobotState& state) {
-  return state.mode == c3rt_v1_ROBOT_REFLEX &&
+  return state.mode == c3rt_v2_ROBOT_REFLEX &&
          state.errors != plant::bit(plant::Error::kCommunicationConstraintsViolation);
 }
 
@@ -223,12 +223,12 @@ TEST_CASE("a stranger's states, ahead in time, elsewhere and in a reflex, move n
   REQUIRE(audience.eventually([&] { return states.matched(); }, [] {}));
   std::uint64_t seq = 1'000'000'000;
   bool stopped = false;
-  const std::uint64_t stops_before = audience.counter(c3rt_v1_PROCESS_IMPEDANCE, "stops");
+  const std::uint64_t stops_before = audience.counter(c3rt_v2_PROCESS_IMPEDANCE, "stops");
   const auto lie = [&] {
     ++seq;
     wire::RobotState state = audience.state();
     state.q_rad[seq % 7] += 0.05;
-    if (seq % 3 == 0) state.mode = c3rt_v1_ROBOT_REFLEX;
+    if (seq % 3 == 0) state.mode = c3rt_v2_ROBOT_REFLEX;
     const bool ahead = seq % 2 == 0;
     states.write(state, audience.session(), seq, rt::now_ns() + (ahead ? 3600 * kSecond : 0));
     stopped = stopped || own_reflex(audience.state());
@@ -239,14 +239,14 @@ TEST_CASE("a stranger's states, ahead in time, elsewhere and in a reflex, move n
   };
   CHECK(audience.eventually(
       [&] {
-        return count(c3rt_v1_PROCESS_IMPEDANCE, "second writer") > 500 &&
-               count(c3rt_v1_PROCESS_IMPEDANCE, "header") > 500 &&
-               count(c3rt_v1_PROCESS_PLANNER, "second writer") > 500 &&
-               count(c3rt_v1_PROCESS_PLANNER, "header") > 500;
+        return count(c3rt_v2_PROCESS_IMPEDANCE, "second writer") > 500 &&
+               count(c3rt_v2_PROCESS_IMPEDANCE, "header") > 500 &&
+               count(c3rt_v2_PROCESS_PLANNER, "second writer") > 500 &&
+               count(c3rt_v2_PROCESS_PLANNER, "header") > 500;
       },
       lie));
   CHECK_FALSE(stopped);
-  CHECK(audience.counter(c3rt_v1_PROCESS_IMPEDANCE, "stops") == stops_before);
+  CHECK(audience.counter(c3rt_v2_PROCESS_IMPEDANCE, "stops") == stops_before);
   CHECK(audience.all_well(audience.session()));
 }
 
@@ -271,15 +271,15 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
     estimates.write(estimate, audience.session(), seq, estimate.exposure_ns);
   };
   const auto says = [&](const char* words) {
-    const auto& status = audience.status(c3rt_v1_PROCESS_PLANNER);
+    const auto& status = audience.status(c3rt_v2_PROCESS_PLANNER);
     return status && std::string(status->text).find(words) != std::string::npos;
   };
   // in the place of vision: the arm goes to the ball that is told
   REQUIRE(audience.eventually(
-      [&] { return says("approach") && audience.state().mode == c3rt_v1_ROBOT_MOVE; },
+      [&] { return says("approach") && audience.state().mode == c3rt_v2_ROBOT_MOVE; },
       [&] { see([](wire::ObjectEstimate&) {}); }));
   const auto refused = [&] {
-    const auto samples = audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "value");
+    const auto samples = audience.refused(c3rt_v2_PROCESS_PLANNER, "object/estimate", "value");
     return samples ? samples->count : 0;
   };
   std::uint64_t before = 0;
@@ -295,14 +295,14 @@ TEST_CASE("estimates that cannot be do not move the arm, beside our vision and i
   // it knows of no ball and says so
   CHECK(audience.eventually([&] { return says("vision is silent"); }, [] {}));
   CHECK_FALSE(stopped);
-  CHECK(audience.state().mode == c3rt_v1_ROBOT_MOVE);
+  CHECK(audience.state().mode == c3rt_v2_ROBOT_MOVE);
 
   // beside our vision: what can be is refused, too
   const Hand vision("c3rt-vision");
   CHECK(audience.eventually(
       [&] {
         const auto second =
-            audience.refused(c3rt_v1_PROCESS_PLANNER, "object/estimate", "second writer");
+            audience.refused(c3rt_v2_PROCESS_PLANNER, "object/estimate", "second writer");
         return second && second->count > 20;
       },
       [&] { see([](wire::ObjectEstimate& e) { e.p_WB_m[0] = 0.4; }); }));

@@ -101,7 +101,7 @@ class Plant {
         faults_(bus_),
         estimates_(bus_),
         detections_(bus_),
-        master_(bus_, {c3rt_v1_PROCESS_VISION}, 30 * kSecond) {}
+        master_(bus_, {c3rt_v2_PROCESS_VISION}, 30 * kSecond) {}
 
   /// @return the estimate of this step, if one was due
   bool step(wire::ObjectEstimate& estimate,
@@ -138,9 +138,9 @@ class Plant {
     }
     return false;
   }
-  void inject(c3rt_v1_FaultKind kind, int index, double duration_s) {
+  void inject(c3rt_v2_FaultKind kind, int index, double duration_s) {
     wire::FaultInject fault{};
-    fault.process = c3rt_v1_PROCESS_VISION;
+    fault.process = c3rt_v2_PROCESS_VISION;
     fault.kind = kind;
     fault.index = index;
     fault.duration_s = duration_s;
@@ -239,7 +239,7 @@ TEST_CASE(
   wire::Writer<wire::Scene> scenes(bus);
   wire::Reader<wire::ObjectEstimate> estimates(bus, 64);
   wire::Reader<wire::ObjectDetection> detections(bus, 64);
-  wire::LockstepMaster master(bus, {c3rt_v1_PROCESS_VISION}, 30 * kSecond);
+  wire::LockstepMaster master(bus, {c3rt_v2_PROCESS_VISION}, 30 * kSecond);
   std::array<std::vector<double>, 3> errors;
   std::array<int, 3> used{};
   for (std::int64_t now_ns = kMs, next_ns = 0; now_ns < kSecond; now_ns += kMs) {
@@ -291,7 +291,7 @@ TEST_CASE("in lockstep the emulated sensor's noise is the seed's, bit for bit") 
 TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and found again") {
   Plant plant(camera_scenario());
   REQUIRE(plant.until([](const auto& e) { return e.valid && e.sensors_used == 3; }));
-  plant.inject(c3rt_v1_FAULT_FREEZE_CAMERA, 0, 3600);
+  plant.inject(c3rt_v2_FAULT_FREEZE_CAMERA, 0, 3600);
   REQUIRE(plant.until([](const auto& e) { return e.sensors_used == 2; }));
   wire::ObjectEstimate last_seen{};
   REQUIRE(plant.until([&](const auto& e) {
@@ -299,17 +299,17 @@ TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and f
     return e.valid && error(e) < 2e-3;
   }));
 
-  plant.inject(c3rt_v1_FAULT_LOSE_BALL, 0, 3600);
+  plant.inject(c3rt_v2_FAULT_LOSE_OBJECT, 0, 3600);
   REQUIRE(plant.until([&](const auto& e) {
     if (e.sensors_used > 0) last_seen = e;
     return !e.valid;
   }));
   REQUIRE(plant.until([&](const auto& e) { return e.p_WB_m[0] == last_seen.p_WB_m[0]; }));
-  plant.inject(c3rt_v1_FAULT_NONE, 0, 0);
+  plant.inject(c3rt_v2_FAULT_NONE, 0, 0);
   REQUIRE(
       plant.until([](const auto& e) { return e.valid && e.sensors_used == 3 && error(e) < 2e-3; }));
 
-  plant.inject(c3rt_v1_FAULT_NAN, 0, 3600);
+  plant.inject(c3rt_v2_FAULT_NAN, 0, 3600);
   CHECK_FALSE(plant.until([](const auto&) { return true; }));
   CHECK(plant.refused_estimates() > 100);
 }

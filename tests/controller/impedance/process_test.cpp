@@ -43,7 +43,7 @@ class Run {
         states_(bus_),
         plans_(bus_),
         commands_(bus_),
-        master_(bus_, {c3rt_v1_PROCESS_IMPEDANCE}, 30 * kSecond),
+        master_(bus_, {c3rt_v2_PROCESS_IMPEDANCE}, 30 * kSecond),
         arm_(test::panda_arm()) {
     q_ << 0, 0.275, 0, -2.222, 0, 2.497, 0;
     arm_.update(q_, dq_, arm_state_);
@@ -55,7 +55,7 @@ class Run {
     wire::RobotState state{};
     Eigen::Map<Vector7d>{state.q_rad} = q_;
     Eigen::Map<Vector7d>{state.dq_rad_per_s} = dq_;
-    state.mode = c3rt_v1_ROBOT_MOVE;
+    state.mode = c3rt_v2_ROBOT_MOVE;
     states_.write(state, now_ns_);
     if (now_ns_ >= next_plan_ns_) {
       next_plan_ns_ = now_ns_ + kPlanPeriod;
@@ -140,12 +140,12 @@ TEST_CASE(
   // mm
   CHECK(worst_error < 2e-3);
   CHECK(worst_distance < 2e-3);
-  CHECK(run.command().mode == c3rt_v1_IMPEDANCE_TRACK);
+  CHECK(run.command().mode == c3rt_v2_IMPEDANCE_TRACK);
   CHECK(run.torques().size() == 2000);
 
   run.stop_planning();
   for (int k = 0; k < 500; ++k) run.step();
-  CHECK(run.command().mode == c3rt_v1_IMPEDANCE_HOLD);
+  CHECK(run.command().mode == c3rt_v2_IMPEDANCE_HOLD);
   const Eigen::Vector3d rest = Eigen::Map<const Eigen::Vector3d>(run.command().p_WE_desired_m);
   for (int k = 0; k < 500; ++k) run.step();
   CHECK(Eigen::Map<const Eigen::Vector3d>(run.command().p_WE_desired_m) == rest);
@@ -181,15 +181,15 @@ TEST_CASE(
     wire::RobotState state{};
     const double q[7] = {0, 0.275, 0, -2.222, 0, 2.497, 0};
     std::copy(std::begin(q), std::end(q), state.q_rad);
-    state.mode = c3rt_v1_ROBOT_MOVE;
+    state.mode = c3rt_v2_ROBOT_MOVE;
     states.write(state, rt::now_ns());
     while (commands.take(command)) ++received;
     statuses.take_newest(status);
     return received > 200 && status.rate_hz > 0 && status.compute.count > 200;
   }));
-  CHECK(command.mode == c3rt_v1_IMPEDANCE_HOLD);
+  CHECK(command.mode == c3rt_v2_IMPEDANCE_HOLD);
   CHECK(command.header.time_ns >= command.origin.state_ns);
-  CHECK(status.process == c3rt_v1_PROCESS_IMPEDANCE);
+  CHECK(status.process == c3rt_v2_PROCESS_IMPEDANCE);
   CHECK(std::string(status.text) == "holds its position: no plan has arrived");
   CHECK(status.wakeup_latency.count > 0);
   child.signal(SIGTERM);

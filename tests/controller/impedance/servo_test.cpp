@@ -35,7 +35,7 @@ wire::RobotState robot_state(std::int64_t now_ns) {
   wire::RobotState state{};
   state.header.time_ns = now_ns;
   std::copy(std::begin(kStartPosture), std::end(kStartPosture), state.q_rad);
-  state.mode = c3rt_v1_ROBOT_MOVE;
+  state.mode = c3rt_v2_ROBOT_MOVE;
   return state;
 }
 
@@ -78,7 +78,7 @@ struct World {
 struct Process {
   explicit Process(const wire::BusSettings& settings)
       : bus(settings),
-        endpoint(bus, c3rt_v1_PROCESS_IMPEDANCE, {}, {}, wire::Wakes::kItself),
+        endpoint(bus, c3rt_v2_PROCESS_IMPEDANCE, {}, {}, wire::Wakes::kItself),
         servo(bus, parameters(), model::Arm(test::panda_arm()), endpoint.status().compute()),
         service(servo, endpoint) {}
   wire::Bus bus;
@@ -131,7 +131,7 @@ TEST_CASE(
   CHECK(command.origin.plan_ns > 0);
   CHECK(command.origin.exposure_ns ==
         command.origin.plan_ns - 5);  // handed on from the plan's own origin
-  CHECK(command.mode == c3rt_v1_IMPEDANCE_TRACK);
+  CHECK(command.mode == c3rt_v2_IMPEDANCE_TRACK);
   CHECK(command.p_WE_desired_m[2] == Approx(0.123));
 }
 
@@ -173,22 +173,22 @@ TEST_CASE(
     return process.service.text() == "holds its position: no plan has arrived";
   }));
 
-  const auto ask = [&](std::uint64_t id, c3rt_v1_RequestVerb verb) {
+  const auto ask = [&](std::uint64_t id, c3rt_v2_RequestVerb verb) {
     wire::ServiceRequest request{};
     request.request_id = id;
-    request.process = c3rt_v1_PROCESS_IMPEDANCE;
+    request.process = c3rt_v2_PROCESS_IMPEDANCE;
     request.verb = verb;
     requests.write(request, rt::now_ns());
     wire::ServiceReply reply{};
     CHECK(drive(world, process, [&] { return replies.take(reply); }));
     CHECK(reply.request_id == id);
-    CHECK(reply.process == c3rt_v1_PROCESS_IMPEDANCE);
+    CHECK(reply.process == c3rt_v2_PROCESS_IMPEDANCE);
     CHECK(reply.ok);
   };
-  ask(1, c3rt_v1_REQUEST_STOP);
+  ask(1, c3rt_v2_REQUEST_STOP);
   CHECK(process.service.text() ==
         "stopped: a stop was requested; damps until a recovery is requested");
-  ask(2, c3rt_v1_REQUEST_RECOVER);
+  ask(2, c3rt_v2_REQUEST_RECOVER);
   CHECK(process.service.text() == "holds its position: no plan has arrived");
 }
 
@@ -202,8 +202,8 @@ TEST_CASE(
   CHECK(std::isfinite(command.tau_nm[0]));
 
   wire::FaultInject fault{};
-  fault.process = c3rt_v1_PROCESS_IMPEDANCE;
-  fault.kind = c3rt_v1_FAULT_NAN;
+  fault.process = c3rt_v2_PROCESS_IMPEDANCE;
+  fault.kind = c3rt_v2_FAULT_NAN;
   fault.duration_s = 1000;
   faults.write(fault, rt::now_ns());
   const auto refused = [&] { return world.commands.counters().refused_for(wire::Reason::kValue); };
@@ -211,13 +211,13 @@ TEST_CASE(
     world.commands.take_newest(command);
     return refused() > 0;  // no reader lets it in
   }));
-  fault.kind = c3rt_v1_FAULT_NONE;
+  fault.kind = c3rt_v2_FAULT_NONE;
   faults.write(fault, rt::now_ns());
   CHECK(drive(world, process, [&] {
     return world.commands.take_newest(command) && std::isfinite(command.tau_nm[0]);
   }));
 
-  fault.kind = c3rt_v1_FAULT_STALL;
+  fault.kind = c3rt_v2_FAULT_STALL;
   faults.write(fault, rt::now_ns());
   int silent = 0;  // cycles in a row without a command
   CHECK(drive(world, process, [&] {
@@ -253,7 +253,7 @@ TEST_CASE(
     REQUIRE(eventually([&] { return commands.take(command); }));
     CHECK(command.header.time_ns == k * kMs);
     CHECK(command.origin.state_ns == k * kMs);
-    CHECK(command.mode == (k < 5 ? c3rt_v1_IMPEDANCE_HOLD : c3rt_v1_IMPEDANCE_TRACK));
+    CHECK(command.mode == (k < 5 ? c3rt_v2_IMPEDANCE_HOLD : c3rt_v2_IMPEDANCE_TRACK));
     CHECK(command.origin.plan_ns == (k < 5 ? 0 : 5 * kMs));
   }
 }

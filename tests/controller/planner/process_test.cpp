@@ -37,7 +37,7 @@ class World {
         replies(bus),
         plans(bus),
         debugs(bus),
-        master(bus, {c3rt_v1_PROCESS_PLANNER}, 30 * kSecond) {}
+        master(bus, {c3rt_v2_PROCESS_PLANNER}, 30 * kSecond) {}
 
   /// One millisecond; @return whether a plan came
   bool step(wire::Plan& plan, bool ball_in_view = true) {
@@ -132,7 +132,7 @@ TEST_CASE(
 TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the scenario's own") {
   World world;
   wire::Plan plan{};
-  const auto send = [&](c3rt_v1_TargetKind kind, double radius) {
+  const auto send = [&](c3rt_v2_TargetKind kind, double radius) {
     wire::TaskTarget target{};
     target.kind = kind;
     target.center_m[0] = 0.5;
@@ -149,15 +149,15 @@ TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the 
   };
   for (int i = 0; i < 100; ++i) world.step(plan);
   const double x_scenario = world.debug.p_WB_target_m[0];
-  send(c3rt_v1_TARGET_HOLD, 0.1);
+  send(c3rt_v2_TARGET_HOLD, 0.1);
   CHECK(plan.phase == std::string("hold"));
-  send(c3rt_v1_TARGET_CIRCLE, 0.1);
+  send(c3rt_v2_TARGET_CIRCLE, 0.1);
   CHECK(plan.phase == std::string("approach"));
   const double x_circle = world.debug.p_WB_target_m[0];
   CHECK(std::abs(x_circle - x_scenario) > 0.005);
-  send(c3rt_v1_TARGET_CIRCLE, std::nan(""));
+  send(c3rt_v2_TARGET_CIRCLE, std::nan(""));
   CHECK(world.debug.p_WB_target_m[0] == x_circle);
-  send(c3rt_v1_TARGET_SCENARIO, 0.0);
+  send(c3rt_v2_TARGET_SCENARIO, 0.0);
   CHECK(world.debug.p_WB_target_m[0] == x_scenario);
 }
 
@@ -166,7 +166,7 @@ TEST_CASE("c3rt-planner: every target is answered, a refused one with what can b
   wire::Plan plan{};
   for (int i = 0; i < 100; ++i) world.step(plan);
   std::uint64_t id = 0;
-  const auto ask = [&](c3rt_v1_TargetKind kind, double x, double y, double radius,
+  const auto ask = [&](c3rt_v2_TargetKind kind, double x, double y, double radius,
                        double lead_deg) {
     wire::TaskTarget target{};
     target.request_id = ++id;
@@ -179,27 +179,27 @@ TEST_CASE("c3rt-planner: every target is answered, a refused one with what can b
     return world.answer_to(id);
   };
   struct Case {
-    c3rt_v1_TargetKind kind;
+    c3rt_v2_TargetKind kind;
     double x, y, radius, lead_deg;
     const char* expected;  // nothing: taken
   };
   for (const Case& c :
-       {Case{c3rt_v1_TARGET_CIRCLE, 5, 5, 0.1, 20, "expected a centre with x in [0.47, 0.63]"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.5, 20, "expected a radius of"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.011, 20, "expected a radius of"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 5, 20, "expected a radius of"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, -180, "expected a lead of"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, 400, "expected a lead of"},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, std::nan(""), 20, "radius_m is nan"},
-        Case{c3rt_v1_TARGET_POINT, 0.9, 0, 0, 0, "expected a point with x in [0.37, 0.73]"},
-        Case{c3rt_v1_TARGET_POINT, 0.5, 0.05, 0, 0, nullptr},
-        Case{c3rt_v1_TARGET_CIRCLE, 0.55, 0, 0.1, -20, nullptr},
-        Case{c3rt_v1_TARGET_HOLD, 0, 0, 0, 0, nullptr},
-        Case{c3rt_v1_TARGET_SCENARIO, 0, 0, 0, 0, nullptr}}) {
+       {Case{c3rt_v2_TARGET_CIRCLE, 5, 5, 0.1, 20, "expected a centre with x in [0.47, 0.63]"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.5, 20, "expected a radius of"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.011, 20, "expected a radius of"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 5, 20, "expected a radius of"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, -180, "expected a lead of"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, 400, "expected a lead of"},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, std::nan(""), 20, "radius_m is nan"},
+        Case{c3rt_v2_TARGET_POINT, 0.9, 0, 0, 0, "expected a point with x in [0.37, 0.73]"},
+        Case{c3rt_v2_TARGET_POINT, 0.5, 0.05, 0, 0, nullptr},
+        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, -20, nullptr},
+        Case{c3rt_v2_TARGET_HOLD, 0, 0, 0, 0, nullptr},
+        Case{c3rt_v2_TARGET_SCENARIO, 0, 0, 0, 0, nullptr}}) {
     const wire::ServiceReply reply = ask(c.kind, c.x, c.y, c.radius, c.lead_deg);
     CAPTURE(c.kind, c.x, c.radius, c.lead_deg, reply.text);
     REQUIRE(reply.request_id == id);
-    CHECK(reply.process == c3rt_v1_PROCESS_PLANNER);
+    CHECK(reply.process == c3rt_v2_PROCESS_PLANNER);
     CHECK(reply.ok == (c.expected == nullptr));
     if (c.expected != nullptr) CHECK_THAT(reply.text, Catch::Contains(c.expected));
   }
@@ -210,27 +210,27 @@ TEST_CASE("c3rt-planner: faults that it does not have, or that do not end, are r
   wire::Plan plan{};
   for (int i = 0; i < 50; ++i) world.step(plan);
   std::uint64_t id = 100;
-  const auto ask = [&](c3rt_v1_FaultKind kind, double duration) {
+  const auto ask = [&](c3rt_v2_FaultKind kind, double duration) {
     wire::FaultInject fault{};
     fault.request_id = ++id;
-    fault.process = c3rt_v1_PROCESS_PLANNER;
+    fault.process = c3rt_v2_PROCESS_PLANNER;
     fault.kind = kind;
     fault.duration_s = duration;
     world.faults.write(fault, world.now_ns);
     return world.answer_to(id);
   };
-  const wire::ServiceReply push = ask(c3rt_v1_FAULT_PUSH_BALL, 1.0);
+  const wire::ServiceReply push = ask(c3rt_v2_FAULT_PUSH_OBJECT, 1.0);
   CHECK_FALSE(push.ok);
   CHECK_THAT(push.text, Catch::Contains("expected none, stall or nan of planner, got push-ball"));
   for (const double bad : {std::nan(""), 0.0, -1.0, 1e9}) {
     CAPTURE(bad);
-    const wire::ServiceReply reply = ask(c3rt_v1_FAULT_STALL, bad);
+    const wire::ServiceReply reply = ask(c3rt_v2_FAULT_STALL, bad);
     REQUIRE(reply.request_id == id);
     CHECK_FALSE(reply.ok);
     CHECK_THAT(reply.text, Catch::Contains("refused: "));
   }
-  CHECK(ask(c3rt_v1_FAULT_STALL, 0.01).ok);
-  CHECK(ask(c3rt_v1_FAULT_NONE, 0.0).ok);
+  CHECK(ask(c3rt_v2_FAULT_STALL, 0.01).ok);
+  CHECK(ask(c3rt_v2_FAULT_NONE, 0.0).ok);
 }
 
 TEST_CASE("c3rt-planner: a mistake in the scenario ends it with status 2 and names the key") {
