@@ -83,7 +83,8 @@ c3rt_export(c3 HEADERS consensus.hpp deadline.hpp parallel.hpp problem.hpp proje
 c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 qp lcs)
 c3rt_export(scene HEADERS scene.hpp shape.hpp)
 c3rt_export(model HEADERS ball_model.hpp balls_model.hpp cart_pole.hpp contact_model.hpp contact_system.hpp
-  finger_gaiting.hpp linearise.hpp pivoting.hpp planning_model.hpp pushed_box.hpp registry.hpp DEPS lcs scene)
+  finger_gaiting.hpp linearise.hpp pivoting.hpp planning_model.hpp pushed_box.hpp registry.hpp system_model.hpp DEPS lcs
+  scene)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/c3rt)

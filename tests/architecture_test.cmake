@@ -43,10 +43,10 @@ may(plant_emulator controller/base controller/scene)
 may(config)
 may(idl controller/base controller/rt config)
 may(cli/report cli controller/base controller/task plant_emulator)
-may(cli/example cli cli/report controller/example plant_emulator)
+may(cli/example cli cli/report controller/example controller/model plant_emulator)
 may(cli/campaign cli cli/report cli/example config controller/base)
 may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/base controller/scene controller/lcs
-    controller/c3 controller/horizon controller/example controller/planner)
+    controller/c3 controller/horizon controller/example controller/model controller/planner)
 may(cli cli/report cli/example cli/campaign cli/reproduce config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 

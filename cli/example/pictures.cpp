@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include "cli/paths.hpp"
+#include "controller/model/cart_pole.hpp"
+#include "controller/model/finger_gaiting.hpp"
+#include "controller/model/pivoting.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -24,31 +27,6 @@ constexpr const char* kYellow = "#c8a000";
 constexpr const char* kUpperShade = "#cfe0fa";
 constexpr const char* kLowerShade = "#fad5cf";
 constexpr double kPushes = 1e-3;  // a normal force above this is contact [N]
-
-struct Names {
-  std::vector<const char*> x, u, lambda;
-};
-
-Names names(const Experiment& experiment) {
-  if (std::holds_alternative<model::CartPoleParameters>(experiment.plant)) {
-    return {{"position_m", "angle_rad", "velocity_m_per_s", "rate_rad_per_s"},
-            {"force_n"},
-            {"right_wall_n", "left_wall_n"}};
-  }
-  const std::vector<const char*> fingers{"acceleration_1_m_per_s2", "acceleration_2_m_per_s2",
-                                         "normal_1_n", "normal_2_n"};
-  if (std::holds_alternative<model::FingerGaitingParameters>(experiment.plant)) {
-    return {{"object_m", "object_rate_m_per_s", "finger_1_m", "finger_1_rate_m_per_s", "finger_2_m",
-             "finger_2_rate_m_per_s"},
-            fingers,
-            {"gamma_1_m_per_s", "up_1_n", "down_1_n", "gamma_2_m_per_s", "up_2_n", "down_2_n"}};
-  }
-  return {{"x_m", "x_rate_m_per_s", "y_m", "y_rate_m_per_s", "alpha_rad", "alpha_rate_rad_per_s",
-           "finger_1_m", "finger_1_rate_m_per_s", "finger_2_m", "finger_2_rate_m_per_s"},
-          fingers,
-          {"gamma_1_m_per_s", "t1_plus_n", "t1_minus_n", "gamma_2_m_per_s", "t2_plus_n",
-           "t2_minus_n", "gamma_3_m_per_s", "t3_plus_n", "t3_minus_n", "normal_ground_n"}};
-}
 
 /// One experiment's curves over time.
 struct Drawing {
@@ -166,9 +144,9 @@ void write_trajectory(const std::filesystem::path& file, const Experiment& exper
                       const Trajectory& trajectory) {
   std::ostringstream stream;
   stream << "t_s";
-  const Names columns = names(experiment);
-  for (const auto* group : {&columns.x, &columns.u, &columns.lambda}) {
-    for (const char* name : *group) stream << ',' << name;
+  const model::SystemLayout& layout = experiment.plant->layout();
+  for (const auto* group : {&layout.x, &layout.u, &layout.lambda}) {
+    for (const model::Quantity& of : *group) stream << ',' << of.name << '_' << of.unit;
   }
   stream << ",accumulated_cost\n";
   const auto cells = [&](const Eigen::MatrixXd& matrix, Index column) {
@@ -188,17 +166,11 @@ void write_trajectory(const std::filesystem::path& file, const Experiment& exper
 
 std::vector<Panel> trajectory_panels(const Experiment& experiment, const Trajectory& trajectory) {
   const Drawing drawing(experiment, trajectory);
-  struct Draw {
-    const Drawing& d;
-    std::vector<Panel> operator()(const model::CartPoleParameters& p) const {
-      return cart_pole(d, p);
-    }
-    std::vector<Panel> operator()(const model::FingerGaitingParameters&) const {
-      return finger_gaiting(d);
-    }
-    std::vector<Panel> operator()(const model::PivotingParameters&) const { return pivoting(d); }
-  };
-  return std::visit(Draw{drawing}, experiment.plant);
+  const model::SystemModel& plant = *experiment.plant;
+  if (const auto* of = dynamic_cast<const model::CartPole*>(&plant); of != nullptr)
+    return cart_pole(drawing, of->parameters());
+  if (dynamic_cast<const model::FingerGaiting*>(&plant) != nullptr) return finger_gaiting(drawing);
+  return pivoting(drawing);
 }
 
 }  // namespace c3rt::cli

@@ -1,6 +1,7 @@
 #include "cli/example/plants.hpp"
 
 #include "cli/progress.hpp"
+#include "controller/model/cart_pole.hpp"
 #include "plant_emulator/cart_pole.hpp"
 
 namespace c3rt::cli {
@@ -30,8 +31,9 @@ class NonlinearCartPole final : public example::Plant {
 
 std::unique_ptr<example::Plant> make_plant(const example::Experiment& experiment) {
   if (!experiment.mujoco_plant) return std::make_unique<example::LcsPlant>(experiment);
-  return std::make_unique<NonlinearCartPole>(std::get<model::CartPoleParameters>(experiment.plant),
-                                             experiment.simulation_step);
+  return std::make_unique<NonlinearCartPole>(
+      dynamic_cast<const model::CartPole&>(*experiment.plant).parameters(),
+      experiment.simulation_step);
 }
 
 const Eigen::MatrixXd* TimedController::decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x,

@@ -3,6 +3,7 @@
 
 #include "cli/example/pictures.hpp"
 #include "cli/reproduce/loop.hpp"
+#include "controller/model/finger_gaiting.hpp"
 
 namespace c3rt::cli::reproduce {
 

@@ -3,6 +3,7 @@
 
 #include "cli/example/pictures.hpp"
 #include "cli/reproduce/loop.hpp"
+#include "controller/model/pivoting.hpp"
 
 namespace c3rt::cli::reproduce {
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/reproduce/loop.hpp"
+#include "controller/model/cart_pole.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -58,7 +59,7 @@ void fig7(const Context& context) {
   }
   fmt::print("Figure 7: cart-pole at [{:g} m, {:g} rad, {:g} m/s, {:g} rad/s], walls at {:g} m\n\n",
              kState[0], kState[1], kState[2], kState[3],
-             std::get<model::CartPoleParameters>(experiment.model).wall_distance);
+             dynamic_cast<const model::CartPole&>(*experiment.model).parameters().wall_distance);
   print_table(rows);
   context.finish(results, "Figure 7: the iterations near a contact", {force, violation});
 }

@@ -1,64 +1,23 @@
 #include "controller/example/experiment.hpp"
 
-#include <algorithm>
-
 #include "controller/base/random.hpp"
 
 namespace c3rt::example {
-namespace {
-
-/// Added to the γ rows of the gaiting fingers, which without normal force would ask 0 ≥ friction.
-constexpr double kFingerRegularisation = 1e-4;
-constexpr double kPivotingRegularisation = 1e-12;
-
-lcs::Lcs system_of(const Model& model, const Eigen::VectorXd& x, double dt) {
-  struct Build {
-    const Eigen::VectorXd& x;
-    double dt;
-    lcs::Lcs operator()(const model::CartPoleParameters& p) const {
-      return model::cart_pole(p, dt);
-    }
-    lcs::Lcs operator()(const model::FingerGaitingParameters& p) const {
-      return model::finger_gaiting(p, dt);
-    }
-    lcs::Lcs operator()(const model::PivotingParameters& p) const {
-      return model::pivoting(p, x, dt);
-    }
-  };
-  return std::visit(Build{x, dt}, model);
-}
-
-}  // namespace
-
 c3::Sizes sizes(const Experiment& experiment) {
-  const lcs::Sizes of = lcs::sizes(planning_system(experiment, experiment.x0));
-  return {of.n_x, of.n_lambda, of.n_u, experiment.N};
+  const model::SystemLayout& layout = experiment.model->layout();
+  return {layout.n_x(), layout.n_lambda(), layout.n_u(), experiment.N};
 }
 
 lcs::Lcs planning_system(const Experiment& experiment, const Eigen::VectorXd& x) {
-  return system_of(experiment.model, x, experiment.planning_step);
+  return experiment.model->planning_system(x, experiment.planning_step);
 }
 
 lcs::Lcs simulation_system(const Experiment& experiment, const Eigen::VectorXd& x) {
-  lcs::Lcs lcs = system_of(experiment.plant, x, experiment.simulation_step);
-  if (std::holds_alternative<model::FingerGaitingParameters>(experiment.plant)) {
-    using L = model::FingerGaitingLayout;
-    lcs.c[L::gamma_1] += kFingerRegularisation;
-    lcs.c[L::gamma_2] += kFingerRegularisation;
-  } else if (std::holds_alternative<model::PivotingParameters>(experiment.plant)) {
-    lcs.F.diagonal().array() += kPivotingRegularisation;
-  }
-  return lcs;
+  return experiment.plant->simulation_system(x, experiment.simulation_step);
 }
 
 void clip(const Experiment& experiment, Eigen::Ref<Eigen::VectorXd> u) {
-  if (std::holds_alternative<model::CartPoleParameters>(experiment.plant)) return;
-  // both examples with fingers have their normal forces at the same places
-  static_assert(model::FingerGaitingLayout::normal_1 == model::PivotingLayout::normal_1 &&
-                model::FingerGaitingLayout::normal_2 == model::PivotingLayout::normal_2);
-  using L = model::PivotingLayout;
-  u[L::normal_1] = std::max(u[L::normal_1], 0.0);
-  u[L::normal_2] = std::max(u[L::normal_2], 0.0);
+  experiment.plant->clip(u);
 }
 
 double stage_cost(const Experiment& experiment, const Eigen::VectorXd& x,

@@ -2,20 +2,17 @@
 // The numerical examples of section VI as closed loops: which system, how it is controlled, what
 // disturbs it and when it has succeeded.
 #include <cstdint>
-#include <variant>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "controller/c3/solver.hpp"
-#include "controller/model/cart_pole.hpp"
-#include "controller/model/finger_gaiting.hpp"
-#include "controller/model/pivoting.hpp"
+#include "controller/model/system_model.hpp"
 
 namespace c3rt::example {
 
-using Model = std::variant<model::CartPoleParameters, model::FingerGaitingParameters,
-                           model::PivotingParameters>;
+using Model = std::shared_ptr<const model::SystemModel>;
 
 /// Where Algorithm 1 starts at a control step.
 enum class StartPolicy {

@@ -2,9 +2,11 @@
 
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "controller/c3/load_settings.hpp"
 #include "controller/lcs/riccati.hpp"
+#include "controller/model/cart_pole.hpp"
 
 namespace c3rt::example {
 namespace {
@@ -15,54 +17,22 @@ using Eigen::VectorXd;
 constexpr config::Range kWeight{0.0, 1e12};
 constexpr config::Range kState{-1e6, 1e6};
 
-enum class Kind { kCartPole, kFingerGaiting, kPivoting };
-
-model::CartPoleParameters load_cart_pole(config::Section section) {
-  model::CartPoleParameters p{};
-  p.cart_mass = section.number("cart_mass_kg", {1e-3, 1e3});
-  p.pole_mass = section.number("pole_mass_kg", {1e-3, 1e3});
-  p.pole_length = section.number("pole_length_m", {1e-2, 1e2});
-  p.center_length = section.number("center_length_m", {1e-2, 1e2});
-  p.wall_stiffness = section.number("wall_stiffness_n_per_m", {1e-3, 1e9});
-  p.wall_distance = section.number("wall_distance_m", {0, 1e2});
-  p.gravity = section.number("gravity_m_per_s2", {0, 100});
-  return p;
-}
-
-model::FingerGaitingParameters load_finger_gaiting(config::Section section) {
-  model::FingerGaitingParameters p{};
-  p.friction = section.number("friction", {0, 100});
-  p.gravity = section.number("gravity_m_per_s2", {0, 100});
-  return p;
-}
-
-model::PivotingParameters load_pivoting(config::Section section) {
-  model::PivotingParameters p{};
-  p.friction_1 = section.number("friction_1", {0, 100});
-  p.friction_2 = section.number("friction_2", {0, 100});
-  p.friction_3 = section.number("friction_3", {0, 100});
-  p.half_size = section.number("half_size_m", {1e-2, 1e2});
-  p.gravity = section.number("gravity_m_per_s2", {0, 100});
-  p.equations = section.choice<model::PivotingEquations>(
-      "equations", {{"corrected", model::PivotingEquations::kCorrected},
-                    {"as_published", model::PivotingEquations::kAsPublished}});
-  return p;
-}
-
-Model load_model(Kind kind, config::Section section) {
-  switch (kind) {
-    case Kind::kCartPole:
-      return load_cart_pole(section);
-    case Kind::kFingerGaiting:
-      return load_finger_gaiting(section);
-    case Kind::kPivoting:
-      break;
+Model load_model(const model::SystemKind& kind, config::Section section) {
+  model::ModelValues values;
+  for (const model::ModelKey& key : kind.keys) {
+    values.set(key.name, key.choices.empty()
+                             ? section.number(key.name, {key.min, key.max})
+                             : static_cast<double>(section.choice(key.name, key.choices)));
   }
-  return load_pivoting(section);
+  return kind.make(values);
 }
 
-MatrixXd diagonal(config::Section& section, const std::string& key, int size) {
-  return section.numbers(key, size, kWeight).asDiagonal();
+/// {NAME: …} on the diagonal, one for each entry of x or u.
+MatrixXd load_named(config::Section section, const std::vector<model::Quantity>& quantities) {
+  VectorXd weights(static_cast<Eigen::Index>(quantities.size()));
+  for (std::size_t i = 0; i < quantities.size(); ++i)
+    weights[static_cast<Eigen::Index>(i)] = section.number(quantities[i].name, kWeight);
+  return weights.asDiagonal();
 }
 
 /// {x: …, lambda: …, u: …} on the diagonal of a z.
@@ -77,8 +47,8 @@ MatrixXd load_z_weight(config::Section section, const c3::Sizes& s) {
 
 void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
   c3::Costs& costs = e.costs;
-  costs.Q = diagonal(section, "Q", s.n_x);
-  costs.R = diagonal(section, "R", s.n_u);
+  costs.Q = load_named(section.section("Q"), e.model->layout().x);
+  costs.R = load_named(section.section("R"), e.model->layout().u);
   const bool riccati = section.choice<bool>("Q_N", {{"riccati", true}, {"Q", false}});
   if (riccati) {
     const lcs::Lcs lcs = planning_system(e, e.x0);
@@ -115,14 +85,14 @@ void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
   }
 }
 
-Experiment load(config::Section root, Kind kind) {
+Experiment load(config::Section root, const model::SystemKind& kind) {
   Experiment e{};
   e.model = load_model(kind, root.section("model"));
   config::Section plant = root.section("plant");
   // one model for both unless the plant is given its own
   e.plant = plant.has("model") ? load_model(kind, plant.section("model")) : e.model;
   e.mujoco_plant = plant.choice<bool>("kind", {{"lcs", false}, {"mujoco", true}});
-  if (e.mujoco_plant && kind != Kind::kCartPole) {
+  if (e.mujoco_plant && dynamic_cast<const model::CartPole*>(e.plant.get()) == nullptr) {
     plant.fail("kind", "lcs: only the cart-pole has a MuJoCo plant", "\"mujoco\"");
   }
   e.simulation_step = plant.number("step_s", {1e-5, 1});
@@ -138,9 +108,7 @@ Experiment load(config::Section root, Kind kind) {
   e.control_period = control.number("period_s", {1e-4, 10});
   e.duration = control.number("duration_s", {1e-3, 1e5});
 
-  const int n_x = kind == Kind::kCartPole        ? model::CartPoleLayout::n_x
-                  : kind == Kind::kFingerGaiting ? model::FingerGaitingLayout::n_x
-                                                 : model::PivotingLayout::n_x;
+  const int n_x = e.model->layout().n_x();
   config::Section start = root.section("start");
   e.x0 = start.numbers("x0", n_x, kState);
   e.x0_spread_min = start.numbers("spread_min", n_x, kState);
@@ -184,9 +152,10 @@ Experiment load(config::Section root, Kind kind) {
 }  // namespace
 
 Experiment load_experiment(config::Section root) {
-  return load(root, root.choice<Kind>("example", {{"cart_pole", Kind::kCartPole},
-                                                  {"finger_gaiting", Kind::kFingerGaiting},
-                                                  {"pivoting", Kind::kPivoting}}));
+  std::vector<std::string> names;
+  for (const model::SystemKind& kind : model::system_kinds()) names.push_back(kind.name);
+  const auto chosen = static_cast<std::size_t>(root.choice("example", names));
+  return load(root, model::system_kinds()[chosen]);
 }
 
 }  // namespace c3rt::example

@@ -42,4 +42,31 @@ lcs::Lcs cart_pole(const CartPoleParameters& parameters, double dt) {
                          Eigen::Vector2d::Constant(parameters.wall_stiffness), dt);
 }
 
+CartPole::CartPole(const CartPoleParameters& parameters)
+    : SystemModel(
+          {{{"position", "m"}, {"angle", "rad"}, {"velocity", "m_per_s"}, {"rate", "rad_per_s"}},
+           {{"force", "n"}},
+           {{"right_wall", "n"}, {"left_wall", "n"}}}),
+      parameters_(parameters) {}
+
+lcs::Lcs CartPole::planning_system(const Eigen::VectorXd&, double dt) const {
+  return cart_pole(parameters_, dt);
+}
+
+SystemKind cart_pole_kind() {
+  return {"cart_pole",
+          {{"cart_mass_kg", 1e-3, 1e3},
+           {"pole_mass_kg", 1e-3, 1e3},
+           {"pole_length_m", 1e-2, 1e2},
+           {"center_length_m", 1e-2, 1e2},
+           {"wall_stiffness_n_per_m", 1e-3, 1e9},
+           {"wall_distance_m", 0, 1e2},
+           {"gravity_m_per_s2", 0, 100}},
+          [](const ModelValues& of) -> std::shared_ptr<const SystemModel> {
+            return std::make_shared<CartPole>(CartPoleParameters{
+                of["cart_mass_kg"], of["pole_mass_kg"], of["pole_length_m"], of["center_length_m"],
+                of["wall_stiffness_n_per_m"], of["wall_distance_m"], of["gravity_m_per_s2"]});
+          }};
+}
+
 }  // namespace c3rt::model

@@ -2,6 +2,7 @@
 // The cart-pole between two soft walls [C3, section VI-C].
 #include "controller/lcs/lcs.hpp"
 #include "controller/model/contact_system.hpp"
+#include "controller/model/registry.hpp"
 
 namespace c3rt::model {
 
@@ -35,5 +36,16 @@ ContactSystem cart_pole_system(const CartPoleParameters& parameters);
 /// The example's LCS: `cart_pole_system` with `spring_contacts` of the walls' stiffness.
 /// @param dt step of the explicit Euler method [s]
 lcs::Lcs cart_pole(const CartPoleParameters& parameters, double dt);
+
+class CartPole final : public SystemModel {
+ public:
+  explicit CartPole(const CartPoleParameters& parameters);
+  const CartPoleParameters& parameters() const noexcept { return parameters_; }
+  lcs::Lcs planning_system(const Eigen::VectorXd& x, double dt) const override;
+
+ private:
+  CartPoleParameters parameters_;
+};
+SystemKind cart_pole_kind();
 
 }  // namespace c3rt::model

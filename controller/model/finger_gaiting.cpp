@@ -1,6 +1,14 @@
 #include "controller/model/finger_gaiting.hpp"
 
+#include <algorithm>
+
 namespace c3rt::model {
+namespace {
+
+/// Added to the γ rows, which without normal force would ask 0 ≥ friction.
+constexpr double kRegularisation = 1e-4;
+
+}  // namespace
 
 FingerGaitingParameters FingerGaitingParameters::paper() { return {1.0, 9.81}; }
 
@@ -62,6 +70,50 @@ lcs::Lcs finger_gaiting(const FingerGaitingParameters& parameters, double dt) {
     lcs.F(down, gamma) = 1.0;
   }
   return lcs;
+}
+
+FingerGaiting::FingerGaiting(const FingerGaitingParameters& parameters)
+    : SystemModel({{{"object", "m"},
+                    {"object_rate", "m_per_s"},
+                    {"finger_1", "m"},
+                    {"finger_1_rate", "m_per_s"},
+                    {"finger_2", "m"},
+                    {"finger_2_rate", "m_per_s"}},
+                   {{"acceleration_1", "m_per_s2"},
+                    {"acceleration_2", "m_per_s2"},
+                    {"normal_1", "n"},
+                    {"normal_2", "n"}},
+                   {{"gamma_1", "m_per_s"},
+                    {"up_1", "n"},
+                    {"down_1", "n"},
+                    {"gamma_2", "m_per_s"},
+                    {"up_2", "n"},
+                    {"down_2", "n"}}}),
+      parameters_(parameters) {}
+
+lcs::Lcs FingerGaiting::planning_system(const Eigen::VectorXd&, double dt) const {
+  return finger_gaiting(parameters_, dt);
+}
+
+lcs::Lcs FingerGaiting::simulation_system(const Eigen::VectorXd& x, double dt) const {
+  lcs::Lcs lcs = planning_system(x, dt);
+  lcs.c[FingerGaitingLayout::gamma_1] += kRegularisation;
+  lcs.c[FingerGaitingLayout::gamma_2] += kRegularisation;
+  return lcs;
+}
+
+void FingerGaiting::clip(Eigen::Ref<Eigen::VectorXd> u) const {
+  for (const int normal : {FingerGaitingLayout::normal_1, FingerGaitingLayout::normal_2})
+    u[normal] = std::max(u[normal], 0.0);
+}
+
+SystemKind finger_gaiting_kind() {
+  return {"finger_gaiting",
+          {{"friction", 0, 100}, {"gravity_m_per_s2", 0, 100}},
+          [](const ModelValues& of) -> std::shared_ptr<const SystemModel> {
+            return std::make_shared<FingerGaiting>(
+                FingerGaitingParameters{of["friction"], of["gravity_m_per_s2"]});
+          }};
 }
 
 }  // namespace c3rt::model

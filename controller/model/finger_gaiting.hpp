@@ -1,6 +1,7 @@
 #pragma once
 // Two fingers that hold an object by friction and lift it hand over hand [C3, section VI-A].
 #include "controller/lcs/lcs.hpp"
+#include "controller/model/registry.hpp"
 
 namespace c3rt::model {
 
@@ -26,5 +27,17 @@ struct FingerGaitingLayout {
 
 /// @param dt time step of the implicit scheme (6) [s]
 lcs::Lcs finger_gaiting(const FingerGaitingParameters& parameters, double dt);
+
+class FingerGaiting final : public SystemModel {
+ public:
+  explicit FingerGaiting(const FingerGaitingParameters& parameters);
+  lcs::Lcs planning_system(const Eigen::VectorXd& x, double dt) const override;
+  lcs::Lcs simulation_system(const Eigen::VectorXd& x, double dt) const override;
+  void clip(Eigen::Ref<Eigen::VectorXd> u) const override;
+
+ private:
+  FingerGaitingParameters parameters_;
+};
+SystemKind finger_gaiting_kind();
 
 }  // namespace c3rt::model

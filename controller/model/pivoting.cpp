@@ -1,5 +1,6 @@
 #include "controller/model/pivoting.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -7,7 +8,8 @@ namespace c3rt::model {
 namespace {
 
 using L = PivotingLayout;
-constexpr int kVelocities = 5;  // x, y, α, finger 1, finger 2
+constexpr double kRegularisation = 1e-12;  // of F
+constexpr int kVelocities = 5;             // x, y, α, finger 1, finger 2
 enum Velocity { kX, kY, kAlpha, kFinger1, kFinger2 };
 
 /// Puts `row` at `plus` and its negative at `minus`: a friction pair on the slip and its opposite.
@@ -104,6 +106,64 @@ lcs::Lcs pivoting(const PivotingParameters& parameters, const Eigen::VectorXd& x
   lcs.H.row(L::normal_ground) = dt * dt * gap_rate * W_u;
   lcs.c[L::normal_ground] = -h * (c + s) + dt * dt * gap_rate.dot(W_d);
   return lcs;
+}
+
+Pivoting::Pivoting(const PivotingParameters& parameters)
+    : SystemModel({{{"x", "m"},
+                    {"x_rate", "m_per_s"},
+                    {"y", "m"},
+                    {"y_rate", "m_per_s"},
+                    {"alpha", "rad"},
+                    {"alpha_rate", "rad_per_s"},
+                    {"finger_1", "m"},
+                    {"finger_1_rate", "m_per_s"},
+                    {"finger_2", "m"},
+                    {"finger_2_rate", "m_per_s"}},
+                   {{"acceleration_1", "m_per_s2"},
+                    {"acceleration_2", "m_per_s2"},
+                    {"normal_1", "n"},
+                    {"normal_2", "n"}},
+                   {{"gamma_1", "m_per_s"},
+                    {"t1_plus", "n"},
+                    {"t1_minus", "n"},
+                    {"gamma_2", "m_per_s"},
+                    {"t2_plus", "n"},
+                    {"t2_minus", "n"},
+                    {"gamma_3", "m_per_s"},
+                    {"t3_plus", "n"},
+                    {"t3_minus", "n"},
+                    {"normal_ground", "n"}}}),
+      parameters_(parameters) {}
+
+lcs::Lcs Pivoting::planning_system(const Eigen::VectorXd& x, double dt) const {
+  return pivoting(parameters_, x, dt);
+}
+
+lcs::Lcs Pivoting::simulation_system(const Eigen::VectorXd& x, double dt) const {
+  lcs::Lcs lcs = planning_system(x, dt);
+  lcs.F.diagonal().array() += kRegularisation;
+  return lcs;
+}
+
+void Pivoting::clip(Eigen::Ref<Eigen::VectorXd> u) const {
+  for (const int normal : {L::normal_1, L::normal_2}) u[normal] = std::max(u[normal], 0.0);
+}
+
+SystemKind pivoting_kind() {
+  return {"pivoting",
+          {{"friction_1", 0, 100},
+           {"friction_2", 0, 100},
+           {"friction_3", 0, 100},
+           {"half_size_m", 1e-2, 1e2},
+           {"gravity_m_per_s2", 0, 100},
+           {"equations", 0, 0, {"corrected", "as_published"}}},
+          [](const ModelValues& of) -> std::shared_ptr<const SystemModel> {
+            return std::make_shared<Pivoting>(
+                PivotingParameters{of["friction_1"], of["friction_2"], of["friction_3"],
+                                   of["half_size_m"], of["gravity_m_per_s2"],
+                                   of["equations"] == 0.0 ? PivotingEquations::kCorrected
+                                                          : PivotingEquations::kAsPublished});
+          }};
 }
 
 }  // namespace c3rt::model

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "controller/lcs/lcs.hpp"
+#include "controller/model/registry.hpp"
 
 namespace c3rt::model {
 
@@ -45,5 +46,17 @@ struct PivotingLayout {
 /// The LCS about the state x (n_x), whose α and finger positions give the levers.
 /// @param dt time step of the implicit scheme (6) [s]
 lcs::Lcs pivoting(const PivotingParameters& parameters, const Eigen::VectorXd& x, double dt);
+
+class Pivoting final : public SystemModel {
+ public:
+  explicit Pivoting(const PivotingParameters& parameters);
+  lcs::Lcs planning_system(const Eigen::VectorXd& x, double dt) const override;
+  lcs::Lcs simulation_system(const Eigen::VectorXd& x, double dt) const override;
+  void clip(Eigen::Ref<Eigen::VectorXd> u) const override;
+
+ private:
+  PivotingParameters parameters_;
+};
+SystemKind pivoting_kind();
 
 }  // namespace c3rt::model

@@ -4,6 +4,9 @@
 
 #include "controller/model/ball_model.hpp"
 #include "controller/model/balls_model.hpp"
+#include "controller/model/cart_pole.hpp"
+#include "controller/model/finger_gaiting.hpp"
+#include "controller/model/pivoting.hpp"
 #include "controller/model/pushed_box.hpp"
 
 namespace c3rt::model {
@@ -29,6 +32,12 @@ const ModelKind& model_kind(const std::string& name) {
   }
   throw std::invalid_argument("planning model: expected one of " + known + ", got \"" + name +
                               "\"");
+}
+
+const std::vector<SystemKind>& system_kinds() {
+  static const std::vector<SystemKind> kinds{cart_pole_kind(), finger_gaiting_kind(),
+                                             pivoting_kind()};
+  return kinds;
 }
 
 const ModelKind& default_model_kind(int bodies) {

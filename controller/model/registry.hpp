@@ -1,18 +1,20 @@
 #pragma once
-// The planning models by name: a new one is a file of its own and one line in registry.cpp.
+// The models by name: a new one is a file of its own and one line in registry.cpp.
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "controller/model/planning_model.hpp"
+#include "controller/model/system_model.hpp"
 
 namespace c3rt::model {
 
 /// One number that a model is made from, as a scenario names it, and what it may be.
 struct ModelKey {
   std::string name;
-  double min, max;
+  double min = 0.0, max = 0.0;
+  std::vector<std::string> choices = {};  // where it names one of these: its value is the index
 };
 
 /// The numbers of a scenario by their keys.
@@ -39,6 +41,15 @@ const std::vector<ModelKind>& model_kinds();
 
 /// @throws std::invalid_argument naming the kinds that there are
 const ModelKind& model_kind(const std::string& name);
+
+/// A model that stands for itself, without a scene.
+struct SystemKind {
+  std::string name;
+  std::vector<ModelKey> keys;
+  std::shared_ptr<const SystemModel> (*make)(const ModelValues& values);
+};
+
+const std::vector<SystemKind>& system_kinds();
 
 /// The kind for so many bodies where a scenario names none.
 const ModelKind& default_model_kind(int bodies);

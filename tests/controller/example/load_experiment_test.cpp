@@ -5,6 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "controller/lcs/lcs.hpp"
+#include "controller/model/registry.hpp"
+
 using namespace c3rt;
 using Catch::Matchers::Contains;
 
@@ -18,10 +21,37 @@ example::Experiment load(const std::string& name, const std::vector<std::string>
 }  // namespace
 
 TEST_CASE("example scenario: weights without a Riccati solution are refused by their key") {
-  CHECK_THROWS_AS(load("cart_pole", {"weights.R=[0]"}), config::ConfigError);
-  CHECK_THROWS_WITH(load("cart_pole", {"weights.R=[0]"}),
+  CHECK_THROWS_AS(load("cart_pole", {"weights.R.force=0"}), config::ConfigError);
+  CHECK_THROWS_WITH(load("cart_pole", {"weights.R.force=0"}),
                     Contains("weights.Q_N: expected weights with a stabilising solution, or Q, got "
                              "riccati: R: expected a positive definite matrix"));
+}
+
+TEST_CASE("example scenario: weights are given by the names of the model, all and no others") {
+  for (const model::SystemKind& kind : model::system_kinds()) {
+    CAPTURE(kind.name);
+    const example::Experiment experiment = load(kind.name, {});
+    const model::SystemLayout& layout = experiment.model->layout();
+    const lcs::Sizes sizes =
+        lcs::sizes(experiment.model->planning_system(experiment.x0, experiment.planning_step));
+    CHECK(layout.n_x() == sizes.n_x);
+    CHECK(layout.n_lambda() == sizes.n_lambda);
+    CHECK(layout.n_u() == sizes.n_u);
+    for (int i = 0; i < layout.n_x(); ++i) {
+      const std::string& name = layout.x[static_cast<std::size_t>(i)].name;
+      const Eigen::MatrixXd changed = load(kind.name, {"weights.Q." + name + "=4321"}).costs.Q[0];
+      Eigen::MatrixXd expected = experiment.costs.Q[0];
+      expected(i, i) = 4321.0;
+      CHECK(changed == expected);
+    }
+  }
+  CHECK(load("pivoting", {}).costs.Q[0].diagonal().head<4>() == Eigen::Vector4d(100, 11, 100, 9));
+  CHECK_THROWS_WITH(load("cart_pole", {"weights.Q.ball=1"}), Contains("weights.Q.ball"));
+  CHECK_THROWS_WITH(load("pivoting", {"weights.R.normal_2=.nan"}), Contains("weights.R.normal_2"));
+  CHECK_THROWS_WITH(load("pivoting", {"model.equations=right"}),
+                    Contains("model.equations: expected one of corrected, as_published"));
+  CHECK_THROWS_WITH(load("pivoting", {"example=chess"}),
+                    Contains("example: expected one of cart_pole, finger_gaiting, pivoting"));
 }
 
 TEST_CASE("example scenario: a QP step that cannot hold the constraints is refused by its key") {
