@@ -11,9 +11,9 @@
 
 using namespace c3rt;
 using namespace c3rt::c3;
-using qp::NodeQp;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using qp::NodeQp;
 
 namespace {
 
