@@ -58,7 +58,7 @@ files_may("^config/(json_reader|problem_file|problem_result)[.]" controller/c3)
 # what speaks on the bus
 files_may("^controller/impedance/(service|servo)[.]" controller/rt idl)
 files_may("^plant_emulator/messages[.]" idl)
-files_may("_main[.]cpp$" config idl controller/rt controller/model controller/task plant_emulator)
+files_may("_main[.]cpp$" config idl controller/base controller/rt controller/model controller/task plant_emulator)
 
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.
 set(pure controller/base controller/scene controller/task controller/lcs controller/qp controller/c3 controller/horizon

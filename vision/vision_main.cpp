@@ -13,6 +13,7 @@
 
 #include "config/process_options.hpp"
 #include "config/scenario.hpp"
+#include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
@@ -34,7 +35,7 @@ constexpr int kPriority = 30;  // above ordinary programs, below all that closes
 constexpr std::int64_t kPollNs =
     50'000'000;  // realtime: a blocked wait looks at the stop flag this often
 
-std::int64_t nanoseconds(double s) { return std::llround(1e9 * s); }
+using base::nanoseconds;
 
 void fill(double (&out)[3], const Eigen::Vector3d& v) { std::copy_n(v.data(), 3, out); }
 void fill(double (&out)[4], const Eigen::Quaterniond& q) {

@@ -6,15 +6,15 @@
 
 #include "cli/report/tracking.hpp"
 #include "controller/base/quantile.hpp"
+#include "controller/base/time.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-constexpr double kNs = 1e-9;                           // [s]
 constexpr std::int64_t kLargestSceneGap = 50'000'000;  // truth is not interpolated over more [ns]
 constexpr double kNarrowBand = 0.01;                   // [m]
 
-double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) * kNs; }
+using base::seconds;
 
 /// Figures of one ball from `judged_from` seconds after the task began; each row holds until the
 /// next.

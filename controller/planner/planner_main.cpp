@@ -12,6 +12,7 @@
 
 #include "config/process_options.hpp"
 #include "config/scenario.hpp"
+#include "controller/base/time.hpp"
 #include "controller/model/arm.hpp"
 #include "controller/planner/planner.hpp"
 #include "controller/rt/periodic_clock.hpp"
@@ -33,8 +34,8 @@ static_assert(c3rt_v2_MAX_OBJECTS == scene::kMaxBodies,
 constexpr double kCommandTimeout = 0.1;  // [s]
 constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samples, above vision
 
-double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-std::int64_t nanoseconds(double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); }
+using base::nanoseconds;
+using base::seconds;
 Eigen::Vector3d vector(const double (&a)[3]) { return {a[0], a[1], a[2]}; }
 template <std::size_t n, typename Derived>
 void fill(double (&out)[n], const Eigen::MatrixBase<Derived>& values) {

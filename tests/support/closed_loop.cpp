@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/base/time.hpp"
 #include "plant_emulator/start.hpp"
 
 namespace c3rt::test {
 namespace {
-std::int64_t nanoseconds(double seconds) {
-  return static_cast<std::int64_t>(std::llround(1e9 * seconds));
-}
+using base::nanoseconds;
 }  // namespace
 
 ClosedLoop::ClosedLoop(const config::Scenario& scenario, std::uint64_t seed)
