@@ -12,18 +12,23 @@ std::string text(const char* format, Numbers... numbers) {
   return buffer;
 }
 
-const char* doing(Mode mode) {
-  switch (mode) {
+/// "ball 0", "box 0": as clients name it, by its index.
+std::string called(const Activity& activity) {
+  const std::string name = activity.body_name.c_str();
+  const bool numbered = !name.empty() && name.back() >= '0' && name.back() <= '9';
+  return numbered ? name : name + " " + std::to_string(activity.body);
+}
+
+std::string doing(const Activity& activity) {
+  switch (activity.mode) {
     case Mode::kWait:
       return "waiting";
     case Mode::kApproach:
       return "approach";
-    case Mode::kRoll:
-      return "roll";
-    case Mode::kReturn:
-      return "return";
+    case Mode::kTask:
+      return activity.phase;
     case Mode::kRest:
-      return "bringing the ball to rest";
+      return "bringing " + called(activity) + " to rest";
     case Mode::kHold:
       return "holding";
   }
@@ -32,6 +37,8 @@ const char* doing(Mode mode) {
 
 std::string why(const Activity& a, const Parameters& parameters, double now) {
   const ApproachParameters& reach = parameters.approach;
+  const std::string name = called(a);
+  const char* body = name.c_str();
   switch (a.cause) {
     case Cause::kNone:
       return {};
@@ -42,32 +49,47 @@ std::string why(const Activity& a, const Parameters& parameters, double now) {
     case Cause::kStateNotFinite:
       return "robot/state is not finite";
     case Cause::kNoVision:
-      return text("vision has not told of ball %d yet", a.ball);
+      return text("vision has not told of %s yet", body);
     case Cause::kVisionSilent:
-      return text("vision is silent: the last estimate of ball %d is %.1f s old", a.ball, a.age);
-    case Cause::kBallNotInView:
-      return text("ball %d is not in view since %.1f s", a.ball, now - a.since);
-    case Cause::kBallNotFinite:
-      return text("the estimate of ball %d is not finite", a.ball);
-    case Cause::kBallOutOfReach:
-      return text("ball %d is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m",
-                  a.ball, a.ball_at.x(), a.ball_at.y(), reach.reach_min.x(), reach.reach_max.x(),
+      return text("vision is silent: the last estimate of %s is %.1f s old", body, a.age);
+    case Cause::kBodyNotInView:
+      return text("%s is not in view since %.1f s", body, now - a.since);
+    case Cause::kBodyNotFinite:
+      return text("the estimate of %s is not finite", body);
+    case Cause::kBodyOutOfReach:
+      return text("%s is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m", body,
+                  a.body_at.x(), a.body_at.y(), reach.reach_min.x(), reach.reach_max.x(),
                   reach.reach_min.y(), reach.reach_max.y());
     case Cause::kStopped:
       return "stopped by a person; recover ends it";
     case Cause::kAsked:
-      return text("asked to hold; ball %d at (%.3f, %.3f) m", a.ball, a.ball_at.x(), a.ball_at.y());
+      return text("asked to hold; %s at (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
     case Cause::kNotBroughtToRest:
-      return text("asked to hold; ball %d could not be brought to rest and rolls at %.3f m/s",
-                  a.ball, a.ball_speed);
+      return text("asked to hold; %s could not be brought to rest and rolls at %.3f m/s", body,
+                  a.body_speed);
     case Cause::kAtTarget:
-      return text("ball %d lies at its target, (%.3f, %.3f) m", a.ball, a.ball_at.x(),
-                  a.ball_at.y());
+      return text("%s lies at its target, (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
   }
   return {};
 }
 
 }  // namespace
+
+const char* name(Mode mode, const char* phase) {
+  switch (mode) {
+    case Mode::kWait:
+      return "wait";
+    case Mode::kApproach:
+      return "approach";
+    case Mode::kTask:
+      return phase;
+    case Mode::kRest:
+      return "rest";
+    case Mode::kHold:
+      return "hold";
+  }
+  return "";
+}
 
 bool needs_attention(const Activity& activity) {
   return activity.cause != Cause::kNone && activity.cause != Cause::kAsked &&
@@ -76,7 +98,7 @@ bool needs_attention(const Activity& activity) {
 
 std::string describe(const Activity& activity, const Parameters& parameters, double now) {
   const std::string cause = why(activity, parameters, now);
-  return cause.empty() ? doing(activity.mode) : doing(activity.mode) + (": " + cause);
+  return cause.empty() ? doing(activity) : doing(activity) + (": " + cause);
 }
 
 }  // namespace c3rt::planner

@@ -20,9 +20,9 @@ bool within(const ApproachParameters& reach, const Eigen::Vector2d& body) {
 Cause hindrance(const Parameters& parameters, const BodyInput& body) {
   if (std::isinf(body.age)) return Cause::kNoVision;
   if (body.age > parameters.estimate_timeout) return Cause::kVisionSilent;
-  if (!body.seen) return Cause::kBallNotInView;
-  if (!finite(body.body)) return Cause::kBallNotFinite;
-  if (!within(parameters.approach, body.body.p_WB.head<2>())) return Cause::kBallOutOfReach;
+  if (!body.seen) return Cause::kBodyNotInView;
+  if (!finite(body.body)) return Cause::kBodyNotFinite;
+  if (!within(parameters.approach, body.body.p_WB.head<2>())) return Cause::kBodyOutOfReach;
   return Cause::kNone;
 }
 
@@ -46,7 +46,7 @@ Availability available(const Parameters& parameters, const Input& input) noexcep
 
 bool in_view(const Parameters& parameters, const BodyInput& body) noexcept {
   const Cause cause = hindrance(parameters, body);
-  return cause == Cause::kNone || cause == Cause::kBallOutOfReach;
+  return cause == Cause::kNone || cause == Cause::kBodyOutOfReach;
 }
 
 }  // namespace c3rt::planner

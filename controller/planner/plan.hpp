@@ -11,6 +11,7 @@ enum class PlanStatus { kOk, kTruncated, kFallback };
 struct Plan {
   PlanStatus status;
   Mode mode;
+  const char* phase;           // a word for it; in kTask the strategy's own
   Eigen::Vector3d p_WE, v_WE;  // x_d of the end effector
   Eigen::Quaterniond q_WE;
   // λ_d as the contacts' force on the end effector, and the strategy's bias, in W [N]

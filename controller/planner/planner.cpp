@@ -28,6 +28,8 @@ Planner::Planner(const Parameters& parameters, MakeStrategy make)
   plan_.primal_residual = Eigen::VectorXd::Zero(parameters.c3.admm_iterations);
   plan_.ball = 0;
   plan_.ball_target.setZero();
+  plan_.mode = Mode::kWait;
+  plan_.phase = name(Mode::kWait, "");
   hold(Eigen::Vector3d::Zero());
 }
 
@@ -42,6 +44,7 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     hold(known ? input.effector.p_WE : Eigen::Vector3d(Eigen::Vector3d::Zero()));
     plan_.status = PlanStatus::kFallback;
     plan_.mode = known ? Mode::kHold : Mode::kWait;
+    plan_.phase = name(plan_.mode, "");
     in_c3_ = false;
   }
   return plan_;
@@ -62,6 +65,7 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   in_c3_ = decision.plans_with_c3;
   if (decision.body_lost) ++counters_.ball_lost;
   plan_.mode = decision.mode;
+  plan_.phase = name(decision.mode, decision.phase);
   plan_.ball = decision.body;
   plan_.ball_target = decision.body_target;
   if (decision.mode == Mode::kWait) {
@@ -203,7 +207,7 @@ void Planner::tell(const Situation& situation, const Decision& decision) {
   Cause cause = situation.available.cause;
   const bool of_state = !situation.available.state();
   const bool of_body = !of_state && cause != Cause::kNone;
-  const int ball = of_body ? situation.available.body : decision.body;
+  const int body = of_body ? situation.available.body : decision.body;
   // what a client asked for goes before what hinders, and that before what was reached
   const bool asked = decision.cause == Cause::kAsked || decision.cause == Cause::kNotBroughtToRest;
   if (!of_state && input.stopped) {
@@ -211,15 +215,19 @@ void Planner::tell(const Situation& situation, const Decision& decision) {
   } else if (!of_state && (asked || cause == Cause::kNone)) {
     cause = decision.cause;
   }
-  if (decision.mode != activity_.mode || cause != activity_.cause || ball != activity_.ball)
+  const bool same_phase = std::strcmp(decision.phase, activity_.phase) == 0;
+  if (decision.mode != activity_.mode || !same_phase || cause != activity_.cause ||
+      body != activity_.body)
     activity_.since = input.now;
   activity_.mode = decision.mode;
+  activity_.phase = decision.phase;
   activity_.cause = cause;
-  activity_.ball = std::min(ball, parameters_.model.bodies - 1);
-  const auto meant = static_cast<std::size_t>(activity_.ball);
+  activity_.body = std::min(body, parameters_.model.bodies - 1);
+  const auto meant = static_cast<std::size_t>(activity_.body);
+  activity_.body_name = situation.scene.bodies[meant].name;
   activity_.age = of_state ? input.state_age : input.bodies[meant].age;
-  activity_.ball_at = situation.scene.bodies[meant].p_WB.head<2>();
-  activity_.ball_speed = situation.scene.bodies[meant].v_WB.head<2>().norm();
+  activity_.body_at = situation.scene.bodies[meant].p_WB.head<2>();
+  activity_.body_speed = situation.scene.bodies[meant].v_WB.head<2>().norm();
 }
 
 }  // namespace c3rt::planner

@@ -145,24 +145,6 @@ planner::Input planner_input(const Inputs& in, std::int64_t now_ns, model::Arm& 
   return input;
 }
 
-const char* phase_of(planner::Mode mode) {
-  switch (mode) {
-    case planner::Mode::kWait:
-      return "wait";
-    case planner::Mode::kApproach:
-      return "approach";
-    case planner::Mode::kRoll:
-      return "roll";
-    case planner::Mode::kReturn:
-      return "return";
-    case planner::Mode::kRest:
-      return "rest";
-    case planner::Mode::kHold:
-      return "hold";
-  }
-  return "hold";
-}
-
 /// @param effective_ns from when on it is followed
 wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, std::int64_t effective_ns) {
   wire::Plan out{};
@@ -175,7 +157,7 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, std::int64_t eff
   out.status = plan.status == planner::PlanStatus::kOk          ? c3rt_v2_PLAN_OK
                : plan.status == planner::PlanStatus::kTruncated ? c3rt_v2_PLAN_TRUNCATED
                                                                 : c3rt_v2_PLAN_FALLBACK;
-  wire::set_text(out.phase, phase_of(plan.mode));
+  wire::set_text(out.phase, plan.phase);
   out.knot_count = 1;
   c3rt_v2_Knot& knot = out.knots[0];
   knot.time_ns = effective_ns + nanoseconds(plan.delta_t_c);
@@ -225,7 +207,7 @@ class Teller {
     const bool degraded = planner::needs_attention(activity);
     if (!endpoint_.say(degraded ? c3rt_v2_SERVICE_DEGRADED : c3rt_v2_SERVICE_RUNNING, text)) return;
     // a cause is told once, though its numbers go on
-    const bool new_cause = activity.cause != told_.cause || activity.ball != told_.ball;
+    const bool new_cause = activity.cause != told_.cause || activity.body != told_.body;
     const bool at_rest = activity.cause != planner::Cause::kNone && activity.mode != told_.mode;
     if (new_cause || at_rest) spdlog::info("planner: {}", text);
     told_ = activity;

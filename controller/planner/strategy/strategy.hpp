@@ -24,6 +24,7 @@ struct Situation {
 /// What it decides. Of a period in which nothing about a member is decided it stays as it was.
 struct Decision {
   Mode mode = Mode::kWait;
+  const char* phase = "";      // in kTask: a word for it, which lives for ever
   Cause cause = Cause::kNone;  // of the strategy's own, why it holds
   int body = 0;                // that is worked on
   bool body_lost = false;      // C3 had to leave its work, as a body was lost

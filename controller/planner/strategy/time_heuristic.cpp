@@ -40,30 +40,49 @@ Eigen::Vector2d rolled_on(const scene::Body& ball, double time) {
   return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
 }
 
-bool in_c3(Mode mode) { return mode == Mode::kRoll || mode == Mode::kReturn; }
+Mode told(TimeHeuristicMode mode) {
+  switch (mode) {
+    case TimeHeuristicMode::kWait:
+      return Mode::kWait;
+    case TimeHeuristicMode::kApproach:
+      return Mode::kApproach;
+    case TimeHeuristicMode::kRoll:
+    case TimeHeuristicMode::kReturn:
+      return Mode::kTask;
+    case TimeHeuristicMode::kRest:
+      return Mode::kRest;
+    case TimeHeuristicMode::kHold:
+      return Mode::kHold;
+  }
+  return Mode::kHold;
+}
+
+bool in_c3(TimeHeuristicMode mode) {
+  return mode == TimeHeuristicMode::kRoll || mode == TimeHeuristicMode::kReturn;
+}
 
 }  // namespace
 
-Mode next(Mode mode, const Known& known) {
-  if (!known.state_fresh) return Mode::kWait;
-  if (known.hold_requested) return Mode::kHold;
-  if (mode == Mode::kRest && known.ball_left) return Mode::kHold;
-  if (known.rest_wanted) return Mode::kRest;
-  if (!known.balls_at_hand) return Mode::kHold;
+TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known) {
+  if (!known.state_fresh) return TimeHeuristicMode::kWait;
+  if (known.hold_requested) return TimeHeuristicMode::kHold;
+  if (mode == TimeHeuristicMode::kRest && known.ball_left) return TimeHeuristicMode::kHold;
+  if (known.rest_wanted) return TimeHeuristicMode::kRest;
+  if (!known.balls_at_hand) return TimeHeuristicMode::kHold;
   switch (mode) {
-    case Mode::kWait:
-    case Mode::kHold:
-      return Mode::kApproach;
-    case Mode::kRest:
-      return known.robot_left ? Mode::kApproach : Mode::kReturn;
-    case Mode::kApproach:
-      return known.start_pose_reached ? Mode::kReturn : Mode::kApproach;
-    case Mode::kRoll:
-    case Mode::kReturn:
-      if (known.other_ball || known.robot_left) return Mode::kApproach;
-      return known.returning ? Mode::kReturn : Mode::kRoll;
+    case TimeHeuristicMode::kWait:
+    case TimeHeuristicMode::kHold:
+      return TimeHeuristicMode::kApproach;
+    case TimeHeuristicMode::kRest:
+      return known.robot_left ? TimeHeuristicMode::kApproach : TimeHeuristicMode::kReturn;
+    case TimeHeuristicMode::kApproach:
+      return known.start_pose_reached ? TimeHeuristicMode::kReturn : TimeHeuristicMode::kApproach;
+    case TimeHeuristicMode::kRoll:
+    case TimeHeuristicMode::kReturn:
+      if (known.other_ball || known.robot_left) return TimeHeuristicMode::kApproach;
+      return known.returning ? TimeHeuristicMode::kReturn : TimeHeuristicMode::kRoll;
   }
-  return Mode::kHold;
+  return TimeHeuristicMode::kHold;
 }
 
 TimeHeuristicState::TimeHeuristicState(const Parameters& parameters)
@@ -97,22 +116,23 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   known.returning = state_.phase != Phase::kRoll;
   // one ball for a whole cycle: half-way to another one nothing is gained
   const int worked = state_.ball;
-  const bool cycle_ended = state_.mode == Mode::kRoll && state_.phase != Phase::kRoll;
+  const bool cycle_ended = state_.mode == TimeHeuristicMode::kRoll && state_.phase != Phase::kRoll;
   const bool stopping = std::holds_alternative<HoldTarget>(input.target);
   if (known.balls_at_hand && !stopping &&
-      (state_.mode == Mode::kWait || state_.mode == Mode::kHold || cycle_ended))
+      (state_.mode == TimeHeuristicMode::kWait || state_.mode == TimeHeuristicMode::kHold ||
+       cycle_ended))
     state_.ball = ball_to_work_on(parameters_.heuristic, parameters_.task, now.scene, state_.ball);
   known.other_ball = was_in_c3 && state_.ball != worked;
   decide_rest(now, known);
 
-  const Mode previous = state_.mode;
+  const TimeHeuristicMode previous = state_.mode;
   state_.mode = next(state_.mode, known);
   decision_.body_lost = false;
   if (state_.mode != previous || now.interrupted) {
-    if (state_.mode == Mode::kApproach || state_.mode == Mode::kHold)
+    if (state_.mode == TimeHeuristicMode::kApproach || state_.mode == TimeHeuristicMode::kHold)
       state_.approach.begin(input.effector.p_WE);
-    if (state_.mode == Mode::kRest) state_.rest.begin(rest_input(now));
-    if (!was_in_c3 && state_.mode == Mode::kReturn) {
+    if (state_.mode == TimeHeuristicMode::kRest) state_.rest.begin(rest_input(now));
+    if (!was_in_c3 && state_.mode == TimeHeuristicMode::kReturn) {
       state_.c3_since = input.now;
       state_.phase = phase_at(parameters_.heuristic, 0.0);
       if (state_.task_since < 0.0) state_.task_since = input.now;
@@ -120,7 +140,8 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
     decision_.body_lost = was_in_c3 && !known.balls_at_hand;
   }
 
-  decision_.mode = state_.mode;
+  decision_.mode = told(state_.mode);
+  decision_.phase = state_.mode == TimeHeuristicMode::kRoll ? "roll" : "return";
   decision_.body = state_.ball;
   decision_.cause = cause(input);
   decision_.plans_with_c3 = in_c3(state_.mode);
@@ -139,17 +160,17 @@ void TimeHeuristic::move_without_c3(const Situation& now) {
   decision_.q_WE = tool_orientation(0.0, Eigen::Vector2d::Zero());
   decision_.v_WE.setZero();
   switch (state_.mode) {
-    case Mode::kRest:
+    case TimeHeuristicMode::kRest:
       state_.rest.step(rest_input(now));
       decision_.p_WE = state_.rest.reference();
       decision_.v_WE = state_.rest.velocity();
       decision_.force_bias.z() = state_.rest.press();
       break;
-    case Mode::kHold:
+    case TimeHeuristicMode::kHold:
       state_.approach.out_of_the_way(way);
       decision_.p_WE = state_.approach.reference();
       break;
-    case Mode::kApproach: {
+    case TimeHeuristicMode::kApproach: {
       const Eigen::Vector3d& p_WB = input.bodies[static_cast<std::size_t>(state_.ball)].body.p_WB;
       state_.approach.to_ball(way, p_WB);
       decision_.p_WE = state_.approach.reference();
@@ -157,9 +178,9 @@ void TimeHeuristic::move_without_c3(const Situation& now) {
       decision_.body_target << target(input, 0.0, now.scene, state_.ball), p_WB.z();
       break;
     }
-    case Mode::kWait:
-    case Mode::kRoll:
-    case Mode::kReturn:
+    case TimeHeuristicMode::kWait:
+    case TimeHeuristicMode::kRoll:
+    case TimeHeuristicMode::kReturn:
       break;
   }
 }
@@ -254,7 +275,7 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
     const double beside = (now.scene.effector.p_WE - ball.p_WB).head<2>().norm();
     s.on_ball = gap < kOnBallGap && beside < kOnBallBeside * parameters_.geometry.ball_radius;
   }
-  const bool working = in_c3(s.mode) || s.mode == Mode::kRest;
+  const bool working = in_c3(s.mode) || s.mode == TimeHeuristicMode::kRest;
 
   const bool hold = std::holds_alternative<HoldTarget>(input.target);
   if (!hold) {
@@ -278,18 +299,19 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
   if (to != nullptr && !s.delivered && known.balls_at_hand) {
     const Eigen::Vector2d v = ball.v_WB.head<2>();
     const Eigen::Vector2d stops = ball.p_WB.head<2>() + v * v.norm() / kStoppingRate;
-    delivers = s.mode == Mode::kRest || (stops - to->point).norm() < kNearPoint;
+    delivers = s.mode == TimeHeuristicMode::kRest || (stops - to->point).norm() < kNearPoint;
   }
 
   const Rest::Stage stage = s.rest.stage();
-  if (s.mode == Mode::kRest) {
+  if (s.mode == TimeHeuristicMode::kRest) {
     known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
     known.ball_left = stage == Rest::Stage::kLeft;
   } else if (working) {
-    known.rest_wanted =
-        hold || delivers || (s.mode == Mode::kRoll && s.on_ball && !known.balls_at_hand);
+    known.rest_wanted = hold || delivers ||
+                        (s.mode == TimeHeuristicMode::kRoll && s.on_ball && !known.balls_at_hand);
   } else {
-    known.rest_wanted = delivers && s.mode == Mode::kHold;  // it has crept away a little
+    known.rest_wanted =
+        delivers && s.mode == TimeHeuristicMode::kHold;  // it has crept away a little
   }
   const bool there = to != nullptr && seen && (ball.p_WB.head<2>() - to->point).norm() < kAstray;
   if (known.ball_left && delivers && there) {
@@ -297,7 +319,7 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
     s.astray_since = input.now;
   }
   known.hold_requested = input.stopped || (hold && (!working || s.not_brought_to_rest)) ||
-                         (s.delivered && s.mode == Mode::kHold);
+                         (s.delivered && s.mode == TimeHeuristicMode::kHold);
   if (known.robot_left) {
     known.rest_wanted = false;
     known.hold_requested = known.hold_requested || hold;

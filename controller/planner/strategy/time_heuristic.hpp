@@ -11,6 +11,9 @@
 
 namespace c3rt::planner {
 
+/// What it is at. kRoll and kReturn, Phase I and II, are where C3 plans.
+enum class TimeHeuristicMode { kWait, kApproach, kRoll, kReturn, kRest, kHold };
+
 /// The mode logic alone, as a table: what comes next, given what is known.
 struct Known {
   bool state_fresh;         // the robot's state is known
@@ -23,7 +26,7 @@ struct Known {
   bool returning;           // Phase II of the heuristic
   bool other_ball;          // a cycle has ended and the next one is another ball's
 };
-Mode next(Mode mode, const Known& known);
+TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known);
 
 /// All that the strategy remembers from period to period.
 struct TimeHeuristicState {
@@ -31,7 +34,7 @@ struct TimeHeuristicState {
 
   Approach approach;  // and hold
   Rest rest;
-  Mode mode = Mode::kWait;
+  TimeHeuristicMode mode = TimeHeuristicMode::kWait;
   Phase phase = Phase::kRoll;
   int ball = 0;                      // that it works on
   bool touched = false;              // in this Phase I

@@ -115,8 +115,7 @@ TEST_CASE(
   while (start < 0.0 || loop.time() - start < path.round_duration()) {
     loop.step_1ms();
     REQUIRE(loop.time() < 100.0);
-    const bool rolling =
-        loop.plan().mode == planner::Mode::kRoll || loop.plan().mode == planner::Mode::kReturn;
+    const bool rolling = loop.plan().mode == planner::Mode::kTask;
     if (start < 0.0 && rolling) start = loop.time();
     if (start < 0.0 || loop.time() - start < 1.0) continue;
     const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
@@ -220,7 +219,7 @@ TEST_CASE(
     loop.step_1ms();
     run_until(loop, start.at + 0.1);
     CHECK_THAT(describe(loop.planner().activity(), scenario.planner, loop.time()),
-               Catch::Contains("bringing the ball to rest"));
+               Catch::Contains("bringing ball 0 to rest"));
     run_until(loop, start.at + 5.0);
     CHECK(loop.plan().mode == planner::Mode::kHold);
     CHECK(loop.planner().activity().cause == planner::Cause::kAsked);
@@ -295,7 +294,7 @@ TEST_CASE(
       silent ? loop.set_vision_runs(false) : loop.set_in_view(false);
       run_until(loop, at + 0.7);
       CHECK(loop.planner().activity().cause ==
-            (silent ? planner::Cause::kVisionSilent : planner::Cause::kBallNotInView));
+            (silent ? planner::Cause::kVisionSilent : planner::Cause::kBodyNotInView));
       run_until(loop, at + 1.0);
       loop.set_vision_runs(true);
       loop.set_in_view(true);

@@ -47,9 +47,9 @@ struct Follower {
     v_WE = plan.v_WE;
     return plan;
   }
-  bool until(Mode mode, int periods) {
+  bool until(const std::string& phase, int periods) {
     for (int i = 0; i < periods; ++i) {
-      if (step().mode == mode) return true;
+      if (step().phase == phase) return true;
     }
     return false;
   }
@@ -84,7 +84,7 @@ TEST_CASE(
   Vector3d previous = follower.p_WE;
   double highest = 0.0;
   int periods = 0;
-  while (follower.step().mode != Mode::kReturn) {
+  while (follower.step().phase != std::string("return")) {
     REQUIRE(++periods < 2000);
     CHECK((follower.p_WE - previous).norm() <= p.approach.speed * follower.period + 1e-12);
     CHECK((follower.p_WE - kBall).norm() > touching);
@@ -105,20 +105,20 @@ TEST_CASE(
   double now = 0.0;
   const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
   // the end effector straight above the ball with a gap between them
-  const auto mode_with_gap = [&](double gap) {
+  const auto phase_with_gap = [&](double gap) {
     const Vector3d p_WE = kBall + Vector3d(0.0, 0.0, touching + gap);
     now += 1.0 / p.rate;
-    return planner.step(input_at(now, p_WE)).mode;
+    return std::string(planner.step(input_at(now, p_WE)).phase);
   };
   const double start_gap = p.approach.start_height - touching;
-  while (mode_with_gap(start_gap) != Mode::kRoll) REQUIRE(now < 10.0);
-  for (int i = 0; i < 10; ++i) CHECK(mode_with_gap(0.010) == Mode::kRoll);
-  CHECK(mode_with_gap(0.001) == Mode::kRoll);
-  CHECK(mode_with_gap(0.004) == Mode::kRoll);
-  CHECK(mode_with_gap(0.006) == Mode::kReturn);
+  while (phase_with_gap(start_gap) != "roll") REQUIRE(now < 10.0);
+  for (int i = 0; i < 10; ++i) CHECK(phase_with_gap(0.010) == "roll");
+  CHECK(phase_with_gap(0.001) == "roll");
+  CHECK(phase_with_gap(0.004) == "roll");
+  CHECK(phase_with_gap(0.006) == "return");
   // and takes its full time
   const double since = now;
-  while (mode_with_gap(0.010) == Mode::kReturn) REQUIRE(now < since + 1.0);
+  while (phase_with_gap(0.010) == "return") REQUIRE(now < since + 1.0);
   CHECK(now - since == Approx(p.heuristic.return_duration).margin(1.5 / p.rate));
 }
 
@@ -127,7 +127,7 @@ TEST_CASE(
     "again") {
   const Parameters p = parameters();
   Follower follower(p);
-  REQUIRE(follower.until(Mode::kRoll, 2000));
+  REQUIRE(follower.until("roll", 2000));
   Vector3d where = follower.p_WE;
   // it stands on the ball, which first comes to rest
   bool held = false;
@@ -174,7 +174,7 @@ TEST_CASE(
     "planner: every plan of the heuristic's cycle is finite, solved, and keeps the speed limit") {
   const Parameters p = parameters();
   Follower follower(p);
-  REQUIRE(follower.until(Mode::kReturn, 2000));
+  REQUIRE(follower.until("return", 2000));
   bool rolled = false;
   for (int i = 0; i < 300; ++i) {
     const Plan& plan = follower.step();
@@ -182,7 +182,7 @@ TEST_CASE(
     CHECK(plan.status == PlanStatus::kOk);
     CHECK(plan.v_WE.norm() <= p.speed_limit + 1e-12);
     CHECK(plan.admm_iterations == p.c3.admm_iterations);
-    rolled = rolled || plan.mode == Mode::kRoll;
+    rolled = rolled || plan.phase == std::string("roll");
   }
   CHECK(rolled);
   CHECK(follower.planner.counters().fallbacks == 0);
@@ -193,22 +193,22 @@ TEST_CASE("planner: an end effector that slips off the ball returns at once, and
   p.heuristic.roll_reach = 0.03;
   p.heuristic.return_gap = std::numeric_limits<double>::infinity();
   Follower follower(p);
-  REQUIRE(follower.until(Mode::kRoll, 2000));
+  REQUIRE(follower.until("roll", 2000));
   const Vector3d above = kBall + Vector3d(0.0, 0.0, 0.055);
   Input input = input_at(follower.now, above + Vector3d(0.9 * p.heuristic.roll_reach, 0.0, 0.0));
-  CHECK(follower.planner.step(input).mode == Mode::kRoll);
+  CHECK(follower.planner.step(input).phase == std::string("roll"));
   input.now += follower.period;
   input.effector.p_WE = above + Vector3d(1.1 * p.heuristic.roll_reach, 0.0, -0.02);
-  CHECK(follower.planner.step(input).mode == Mode::kReturn);
+  CHECK(follower.planner.step(input).phase == std::string("return"));
   // a whole Phase II, then the next Phase I
   input.effector.p_WE = above;
   const double slipped = input.now;
   while (input.now < slipped + p.heuristic.return_duration - 2.0 * follower.period) {
     input.now += follower.period;
-    REQUIRE(follower.planner.step(input).mode == Mode::kReturn);
+    REQUIRE(follower.planner.step(input).phase == std::string("return"));
   }
   input.now += 3.0 * follower.period;
-  CHECK(follower.planner.step(input).mode == Mode::kRoll);
+  CHECK(follower.planner.step(input).phase == std::string("roll"));
 }
 
 TEST_CASE(
@@ -216,7 +216,7 @@ TEST_CASE(
   for (const bool away : {false, true}) {
     CAPTURE(away);
     Follower follower(parameters());
-    REQUIRE(follower.until(Mode::kRoll, 2000));
+    REQUIRE(follower.until("roll", 2000));
     const Vector3d here = kBall + Vector3d(0.01, 0.0, 0.052);
     Input input = input_at(follower.now, here);
     input.robot_follows = away;
@@ -244,11 +244,11 @@ TEST_CASE("planner: the arm presses on the ball throughout Phase I, and only the
     const Plan plain = without.step(input);
     const Plan& plan = follower.step();
     REQUIRE(plan.mode == plain.mode);
-    const Vector3d press(0.0, 0.0, plan.mode == Mode::kRoll ? 3.0 : 0.0);
+    const Vector3d press(0.0, 0.0, plan.phase == std::string("roll") ? 3.0 : 0.0);
     REQUIRE((plan.force_E - plain.force_E - press).norm() < 1e-12);
     REQUIRE(plan.p_WE == plain.p_WE);
-    rolled += plan.mode == Mode::kRoll ? 1 : 0;
-    returned += plan.mode == Mode::kReturn ? 1 : 0;
+    rolled += plan.phase == std::string("roll") ? 1 : 0;
+    returned += plan.phase == std::string("return") ? 1 : 0;
   }
   CHECK(rolled >= 50);
   CHECK(returned >= 50);
@@ -257,7 +257,7 @@ TEST_CASE("planner: the arm presses on the ball throughout Phase I, and only the
 TEST_CASE("planner: the plan for the next instant respects the contact") {
   const Parameters p = parameters();
   Follower follower(p);
-  REQUIRE(follower.until(Mode::kRoll, 2000));
+  REQUIRE(follower.until("roll", 2000));
   for (int i = 0; i < 50; ++i) {
     const Plan& plan = follower.step();
     using L = model::BallLayout;
@@ -285,7 +285,7 @@ TEST_CASE(
         Choice{{"planner.model.contacts.ball_table=false"}, 6}}) {
     Follower follower(parameters(choice.overrides));
     CAPTURE(choice.overrides.front());
-    REQUIRE(follower.until(Mode::kReturn, 2000));
+    REQUIRE(follower.until("return", 2000));
     // where the QP pulls at the contacts the LCP has no solution: then the end effector stays
     const bool may_have_none = choice.overrides.front() == "planner.c3.projection=lcp";
     int ok = 0;
@@ -303,7 +303,7 @@ TEST_CASE(
 
 TEST_CASE("planner: a deadline that strikes gives a truncated plan, not none") {
   Follower follower(parameters());
-  REQUIRE(follower.until(Mode::kRoll, 2000));
+  REQUIRE(follower.until("roll", 2000));
   struct Count {
     int asked = 0;
     static bool reached(void* context) noexcept {
@@ -324,7 +324,7 @@ TEST_CASE(
   for (const bool period : {true, false}) {
     Follower follower(
         parameters({period ? "planner.delta_t_c=period" : "planner.delta_t_c=solve_time"}));
-    REQUIRE(follower.until(Mode::kReturn, 2000));
+    REQUIRE(follower.until("return", 2000));
     // nine regular periods and one of 30 ms
     follower.now += 0.030 - follower.period;
     const Plan& plan = follower.step();
@@ -336,15 +336,15 @@ TEST_CASE("planner: both back ends of the QP step give the same plan") {
   Follower direct(parameters({"planner.c3.qp=direct"})),
       osqp(parameters({"planner.c3.qp=osqp", "planner.c3.osqp.eps=1e-10",
                        "planner.c3.osqp.max_iterations=20000"}));
-  REQUIRE(direct.until(Mode::kRoll, 2000));
-  REQUIRE(osqp.until(Mode::kRoll, 2000));
+  REQUIRE(direct.until("roll", 2000));
+  REQUIRE(osqp.until("roll", 2000));
   const Input input = input_at(direct.now, kBall + Vector3d(-0.02, 0.005, 0.05));
   const Plan a = direct.planner.step(input);
   Input same = input;
   same.now = osqp.now;
   const Plan& b = osqp.planner.step(same);
-  REQUIRE(a.mode == Mode::kRoll);
-  REQUIRE(b.mode == Mode::kRoll);
+  REQUIRE(a.phase == std::string("roll"));
+  REQUIRE(b.phase == std::string("roll"));
   CHECK((a.u_c3 - b.u_c3).norm() < 1e-5);
   CHECK((a.p_WE - b.p_WE).norm() < 1e-6);
 }
@@ -374,7 +374,7 @@ TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G 
       for (auto& [name, weight] : weights->G_lambda) weight = G_all;
     }
     Follower follower(p);
-    REQUIRE(follower.until(Mode::kRoll, 2000));
+    REQUIRE(follower.until("roll", 2000));
     return Vector3d(follower.step().u_c3);
   };
   const Vector3d u = u_with(0.02, 0.005, 0.1);
@@ -405,7 +405,7 @@ TEST_CASE("planner: where the table is lower below the ball, the whole plan is l
     Parameters p = parameters();
     p.table_below_ball = true;
     Follower follower(p);
-    REQUIRE(follower.until(Mode::kRoll, 2000));
+    REQUIRE(follower.until("roll", 2000));
     Input input = input_at(follower.now, follower.p_WE + offset);
     input.effector.v_WE = follower.v_WE;
     input.bodies[0].body.p_WB += offset;
@@ -423,7 +423,7 @@ TEST_CASE(
     Parameters p = parameters();
     p.table_below_ball = true;
     Follower follower(p);
-    REQUIRE(follower.until(Mode::kRoll, 2000));
+    REQUIRE(follower.until("roll", 2000));
     const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
     Input input = input_at(follower.now, kBall + touching * Vector3d::UnitZ());
     input.bodies[0].body.p_WB.z() += too_high;
@@ -488,7 +488,7 @@ TEST_CASE("planner: several balls are planned for, the one behind is approached 
     const Plan& plan = planner.step(balls_input(p, now, p_WE, v_WE));
     REQUIRE(finite(plan));
     CHECK(plan.ball == 0);
-    if (plan.mode == Mode::kReturn || plan.mode == Mode::kRoll) {
+    if (plan.phase == std::string("return") || plan.phase == std::string("roll")) {
       ++planned;
       CHECK(plan.status == PlanStatus::kOk);
       CHECK((plan.ball_target.head<2>() - Eigen::Vector2d(0.55, 0.1 + step)).norm() < 1e-12);

@@ -62,37 +62,45 @@ TEST_CASE("planner mode: what comes next in every situation") {
     known.returning = returning;
     return known;
   };
-  for (const Mode mode :
-       {Mode::kWait, Mode::kApproach, Mode::kRoll, Mode::kReturn, Mode::kRest, Mode::kHold}) {
-    CHECK(next(mode, situation(false, true, false, true, false)) == Mode::kWait);
-    CHECK(next(mode, situation(true, false, false, true, false)) == Mode::kHold);
-    CHECK(next(mode, situation(true, true, true, true, false)) == Mode::kHold);
+  for (const TimeHeuristicMode mode :
+       {TimeHeuristicMode::kWait, TimeHeuristicMode::kApproach, TimeHeuristicMode::kRoll,
+        TimeHeuristicMode::kReturn, TimeHeuristicMode::kRest, TimeHeuristicMode::kHold}) {
+    CHECK(next(mode, situation(false, true, false, true, false)) == TimeHeuristicMode::kWait);
+    CHECK(next(mode, situation(true, false, false, true, false)) == TimeHeuristicMode::kHold);
+    CHECK(next(mode, situation(true, true, true, true, false)) == TimeHeuristicMode::kHold);
   }
-  CHECK(next(Mode::kWait, situation(true, true, false, true, true)) == Mode::kApproach);
-  CHECK(next(Mode::kHold, situation(true, true, false, true, true)) == Mode::kApproach);
-  CHECK(next(Mode::kApproach, situation(true, true, false, false, true)) == Mode::kApproach);
-  CHECK(next(Mode::kApproach, situation(true, true, false, true, true)) == Mode::kReturn);
-  CHECK(next(Mode::kReturn, situation(true, true, false, false, true)) == Mode::kReturn);
-  CHECK(next(Mode::kReturn, situation(true, true, false, false, false)) == Mode::kRoll);
-  CHECK(next(Mode::kRoll, situation(true, true, false, false, true)) == Mode::kReturn);
+  CHECK(next(TimeHeuristicMode::kWait, situation(true, true, false, true, true)) ==
+        TimeHeuristicMode::kApproach);
+  CHECK(next(TimeHeuristicMode::kHold, situation(true, true, false, true, true)) ==
+        TimeHeuristicMode::kApproach);
+  CHECK(next(TimeHeuristicMode::kApproach, situation(true, true, false, false, true)) ==
+        TimeHeuristicMode::kApproach);
+  CHECK(next(TimeHeuristicMode::kApproach, situation(true, true, false, true, true)) ==
+        TimeHeuristicMode::kReturn);
+  CHECK(next(TimeHeuristicMode::kReturn, situation(true, true, false, false, true)) ==
+        TimeHeuristicMode::kReturn);
+  CHECK(next(TimeHeuristicMode::kReturn, situation(true, true, false, false, false)) ==
+        TimeHeuristicMode::kRoll);
+  CHECK(next(TimeHeuristicMode::kRoll, situation(true, true, false, false, true)) ==
+        TimeHeuristicMode::kReturn);
   // to another ball through the air
   Known other = situation(true, true, false, false, true);
   other.other_ball = true;
-  CHECK(next(Mode::kRoll, other) == Mode::kApproach);
+  CHECK(next(TimeHeuristicMode::kRoll, other) == TimeHeuristicMode::kApproach);
   other.balls_at_hand = false;
-  CHECK(next(Mode::kRoll, other) == Mode::kHold);
+  CHECK(next(TimeHeuristicMode::kRoll, other) == TimeHeuristicMode::kHold);
   // a ball is brought to rest before the end effector leaves it
   Known rest = situation(true, true, false, false, false);
   rest.rest_wanted = true;
-  CHECK(next(Mode::kRoll, rest) == Mode::kRest);
-  CHECK(next(Mode::kRest, rest) == Mode::kRest);
+  CHECK(next(TimeHeuristicMode::kRoll, rest) == TimeHeuristicMode::kRest);
+  CHECK(next(TimeHeuristicMode::kRest, rest) == TimeHeuristicMode::kRest);
   rest.ball_left = true;
-  CHECK(next(Mode::kRest, rest) == Mode::kHold);
+  CHECK(next(TimeHeuristicMode::kRest, rest) == TimeHeuristicMode::kHold);
   // where the robot did not follow, what was going on is over
   Known left = situation(true, true, false, false, false);
   left.robot_left = true;
-  CHECK(next(Mode::kRoll, left) == Mode::kApproach);
-  CHECK(next(Mode::kRest, left) == Mode::kApproach);
+  CHECK(next(TimeHeuristicMode::kRoll, left) == TimeHeuristicMode::kApproach);
+  CHECK(next(TimeHeuristicMode::kRest, left) == TimeHeuristicMode::kApproach);
 }
 
 namespace {

@@ -66,7 +66,8 @@ class Sampler final : public Strategy {
       }
     }
     decision_.plans_with_c3 = (now.scene.effector.p_WE - place).norm() < 0.01;
-    decision_.mode = decision_.plans_with_c3 ? Mode::kRoll : Mode::kApproach;
+    decision_.mode = decision_.plans_with_c3 ? Mode::kTask : Mode::kApproach;
+    decision_.phase = "best of the places";
     decision_.p_WE = place;
     decision_.x_hat = now.scene;
     decision_.costs = costs_;
@@ -160,7 +161,8 @@ TEST_CASE("strategy: one that compares several plans and moves to the best place
   const Vector3d place = away.p_WE;
   CHECK((place - kBody).norm() == Approx(0.055));
   const Plan& there = planner.step(input_at(0.005, place));
-  CHECK(there.mode == Mode::kRoll);
+  CHECK(there.mode == Mode::kTask);
+  CHECK(there.phase == std::string("best of the places"));
   CHECK(there.status == PlanStatus::kOk);
   CHECK(there.admm_iterations == p.c3.admm_iterations);
 }
