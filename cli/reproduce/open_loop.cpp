@@ -102,7 +102,7 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
   const std::vector<double> instants = c3_instants(run);
 
   const planner::Parameters& parameters = scenario.planner;
-  const double ball_height = parameters.geometry.table_height + parameters.geometry.ball_radius;
+  const double radius = planner::make_model(parameters.model)->layout().world.body(0).shape.radius;
   std::vector<Question> all;
   for (int i = 0; i < count; ++i) {
     const double now =
@@ -130,10 +130,11 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     };
     scene::Scene desired;
     desired.body_count = 1;
-    desired.effector.p_WE = planner::end_effector_target(
-        parameters.heuristic, parameters.geometry, phase, effector.p_WE, ball.p_WB, target(0.0));
+    desired.effector.p_WE =
+        planner::end_effector_target(parameters.heuristic, parameters.geometry, phase,
+                                     effector.p_WE, radius, ball.p_WB, target(0.0));
     for (int k = 0; k <= parameters.N; ++k) {
-      desired.body(0).p_WB << target(k * parameters.dt), ball_height;
+      desired.body(0).p_WB << target(k * parameters.dt), parameters.geometry.table_height + radius;
       question.desired.push_back(desired);
     }
     all.push_back(std::move(question));

@@ -135,18 +135,6 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const s
   return system;
 }
 
-void separate(double touching, const Eigen::Vector3d& away, const scene::Effector& effector,
-              scene::Body& ball) {
-  const Eigen::Vector3d from_end_effector = ball.p_WB - effector.p_WE;
-  if (from_end_effector.norm() >= touching) return;
-  Eigen::Vector3d direction(from_end_effector.x(), from_end_effector.y(), 0.0);
-  if (direction.norm() < 1e-9) direction = Eigen::Vector3d(away.x(), away.y(), 0.0);
-  if (direction.norm() < 1e-9) direction = Eigen::Vector3d::UnitX();
-  const double height = from_end_effector.z();
-  const double horizontal = std::sqrt(touching * touching - height * height);
-  ball.p_WB.head<2>() = effector.p_WE.head<2>() + horizontal * direction.normalized().head<2>();
-}
-
 namespace {
 
 Layout rolling_ball_layout(const BallModelParameters& parameters) {

@@ -54,14 +54,6 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const s
                                   const std::vector<BallContact>& contacts = {
                                       BallContact::kEndEffector, BallContact::kTable});
 
-/// Moves a ball horizontally away from the end effector until they touch, where they overlap
-/// [Algorithm 3, step 1: an estimate with the end effector inside the ball would make the LCS push
-/// them apart at once].
-/// @param touching distance of their centres where they touch [m]
-/// @param away horizontal direction used when the end effector is straight above the ball
-void separate(double touching, const Eigen::Vector3d& away, const scene::Effector& effector,
-              scene::Body& ball);
-
 /// M_s of one ball with position and orientation (19 states) [C3, VII-A].
 std::unique_ptr<PlanningModel> make_rolling_ball(const BallModelParameters& parameters);
 ModelKind rolling_ball_kind();

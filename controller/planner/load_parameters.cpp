@@ -115,7 +115,7 @@ Ratio load_ratio(config::Section& section, const ModelParameters& model) {
 void carry_over(const Ratio& ratio, Parameters& parameters) {
   const model::ModelKind& kind = model::model_kind(parameters.model.kind);
   const double mass = parameters.model.values[kind.mass_key] / ratio.mass;
-  const double larger = parameters.geometry.ball_radius * (1.0 - 1.0 / ratio.size);
+  const double larger = parameters.model.values[kind.size_key] * (1.0 - 1.0 / ratio.size);
   parameters.model.values.set(kind.mass_key, mass);
   parameters.model.force_unit = ratio.mass;
   parameters.model.size_ratio = ratio.size;
@@ -128,14 +128,14 @@ void carry_over(const Ratio& ratio, Parameters& parameters) {
   parameters.approach.start_height += larger;
 }
 
-DisturbanceParameters load_disturbance(config::Section section) {
-  DisturbanceParameters disturbance{};
-  disturbance.noise = section.number("noise_m", {1e-6, 0.1});
-  disturbance.memory = section.number("memory_s", {0.01, 1e4});
-  disturbance.limit = section.number("limit_m_per_s2", {1e-3, 10});
-  disturbance.gap = section.number("gap_m", {0, 0.1});
-  disturbance.settle = section.number("settle_s", {0, 1});
-  return disturbance;
+AccelerationFilterParameters load_acceleration_filter(config::Section section) {
+  AccelerationFilterParameters filter{};
+  filter.noise = section.number("noise_m", {1e-6, 0.1});
+  filter.memory = section.number("memory_s", {0.01, 1e4});
+  filter.limit = section.number("limit_m_per_s2", {1e-3, 10});
+  filter.gap = section.number("gap_m", {0, 0.1});
+  filter.settle = section.number("settle_s", {0, 1});
+  return filter;
 }
 
 PhaseWeights load_phase(config::Section& weights, const char* phase, const Parameters& parameters) {
@@ -192,7 +192,7 @@ void load_strategy(config::Section& section, Parameters& parameters) {
 
 }  // namespace
 
-Parameters load_parameters(config::Section section, const task::Task& task, int balls) {
+Parameters load_parameters(config::Section section, const task::Task& task, int bodies) {
   Parameters parameters{};
   parameters.task = task;
   parameters.rate = section.number("rate_hz", {1, 1000});
@@ -205,18 +205,19 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   parameters.delta_t_c_source = section.choice<DeltaTcSource>(
       "delta_t_c", {{"period", DeltaTcSource::kPeriod}, {"solve_time", DeltaTcSource::kSolveTime}});
   parameters.speed_limit = section.number("speed_limit_m_per_s", {0.01, 10});
-  parameters.predict_ball = section.boolean("predict_ball");
+  parameters.predict_objects = section.boolean("predict_objects");
   parameters.separate_overlap = section.boolean("separate_overlap");
-  if (section.has("table_below_ball"))
-    parameters.table_below_ball = section.boolean("table_below_ball");
+  if (section.has("table_below_object"))
+    parameters.table_below_object = section.boolean("table_below_object");
   parameters.tilt = section.number("tool_tilt_rad", {0, 0.6});
-  if (balls == 1 && section.has("ball_disturbance"))
-    parameters.disturbance = load_disturbance(section.section("ball_disturbance"));
+  if (bodies == 1 && section.has("acceleration_filter"))
+    parameters.acceleration_filter =
+        load_acceleration_filter(section.section("acceleration_filter"));
 
   config::Section model = section.section("model");
-  parameters.model = load_model(model, balls);
+  parameters.model = load_model(model, bodies);
   const scene::Scene world = make_model(parameters.model)->layout().world;
-  parameters.geometry = {world.effector.radius, world.body(0).shape.radius, world.table_height};
+  parameters.geometry = {world.effector.radius, world.table_height};
 
   parameters.c3 = c3::load_settings(section.section("c3"));
   parameters.c3.delta_starts_at_x0 = true;  // step 2 of Algorithm 3
@@ -226,7 +227,7 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   config::Section approach = section.section("approach");
   parameters.approach.speed = approach.number("speed_m_per_s", {0.001, 1});
   parameters.approach.safe_height = approach.number("safe_height_m", {0.05, 0.5});
-  parameters.approach.start_height = approach.number("start_height_above_ball_m", {0.01, 0.3});
+  parameters.approach.start_height = approach.number("start_height_above_object_m", {0.01, 0.3});
   parameters.approach.tolerance = approach.number("tolerance_m", {1e-4, 0.05});
   parameters.approach.leash = approach.number("leash_m", {1e-3, 1});
   parameters.approach.reach_min = approach.numbers("reach_min_m", 2, {-2, 2});

@@ -32,10 +32,9 @@ struct ModelParameters {
   std::set<std::string> pairs;  // that L_Δt has, by their names; the step over Δt_c has them all
 };
 
-/// What the heuristic and the approach know of the bodies: every one is round, on one table.
+/// What strategies know of the world beside the bodies, which have shapes of their own.
 struct Geometry {
   double end_effector_radius;  // [m]
-  double ball_radius;          // [m]
   double table_height;         // of the table's surface in W [m]
 };
 
@@ -44,50 +43,50 @@ struct Geometry {
 struct HeuristicParameters {
   double roll_duration;    // Phase I [s]
   double return_duration;  // Phase II [s], three equal parts: up, sideways, down
-  double roll_clearance;   // Phase I: height above touching the ball from straight above [m]
-  double return_back;      // Phase II: how far behind the ball, seen from its target [m]
+  double roll_clearance;   // Phase I: height above touching the body from straight above [m]
+  double return_back;      // Phase II: how far behind the body, seen from its target [m]
   Eigen::Vector3d return_heights;  // Phase II: up, sideways, down, above the table [m]
   // Beyond Figure 10: the arm presses down with this throughout Phase I, on top of λ_d [N]
   double roll_press = 0.0;
-  // Beyond Figure 10: Phase I ends early where the ball, once touched, has run away by this gap,
+  // Beyond Figure 10: Phase I ends early where the body, once touched, has run away by this gap,
   // over which no force acts [m]
   double return_gap = std::numeric_limits<double>::infinity();
-  // and where the end effector is farther than this from above the ball: it has slipped off [m]
+  // and where the end effector is farther than this from above the body: it has slipped off [m]
   double roll_reach = std::numeric_limits<double>::infinity();
-  // Beyond Figure 10: Phase II is drawn to where the ball will be after this time [s]
+  // Beyond Figure 10: Phase II is drawn to where the body will be after this time [s]
   double return_lead = 0.0;
-  // and moves with the ball from stage to stage of the horizon
+  // and moves with the body from stage to stage of the horizon
   bool return_follows = false;
-  // Beyond (25): the target is drawn no farther from the ball than this, so that one that was
+  // Beyond (25): the target is drawn no farther from the body than this, so that one that was
   // pushed away is brought back at the usual speed [m]
   double target_reach = std::numeric_limits<double>::infinity();
-  // of several balls: which one is worked on
-  double look_ahead = 0.0;  // the balls are looked at where they roll to in this time [s]
-  // a ball counts as this much behind, times its distance from the line
+  // of several bodies: which one is worked on
+  double look_ahead = 0.0;  // the bodies are looked at where they roll to in this time [s]
+  // a body counts as this much behind, times its distance from the line
   double beside_weight = 0.0;
-  double change_margin = 0.0;  // another ball has to be worse off by this much [m]
-  double room_ahead = 0.0;     // a ball with another one ahead and nearer than this has no room [m]
+  double change_margin = 0.0;  // another body has to be worse off by this much [m]
+  double room_ahead = 0.0;     // a body with another one ahead and nearer than this has no room [m]
 };
 
-/// The way to the start pose and the behaviour when the ball is lost.
+/// The way to the start pose and the behaviour when the body is lost.
 struct ApproachParameters {
   double speed;         // of the end effector's reference [m/s]
   double safe_height;   // travels at this height above the table [m]
-  double start_height;  // above the ball's centre where C3 takes over [m]
+  double start_height;  // above the body's centre where C3 takes over [m]
   double tolerance;     // start pose reached [m]
   double leash;         // the reference waits for an arm that is farther behind than this [m]
   Eigen::Vector2d reach_min,
-      reach_max;       // a ball outside this box of the table is out of reach, in W [m]
-  double settle_time;  // C3 starts after this long in the start pose with a ball in view [s]
+      reach_max;       // a body outside this box of the table is out of reach, in W [m]
+  double settle_time;  // C3 starts after this long in the start pose with a body in view [s]
 };
 
-/// How the ball's acceleration is learnt while nobody touches it.
-struct DisturbanceParameters {
+/// How the body's acceleration is learnt while nobody touches it.
+struct AccelerationFilterParameters {
   double noise;   // of a seen position, standard deviation [m]
   double memory;  // what was seen longer ago than this, of untouched rolling, fades [s]
   double limit;   // the acceleration is never longer than this [m/s²]
-  double gap;     // an end effector nearer than this may touch the ball [m]
-  double settle;  // nor is the ball looked at for this long after a touch [s]
+  double gap;     // an end effector nearer than this may touch the body [m]
+  double settle;  // nor is the body looked at for this long after a touch [s]
 };
 
 enum class DeltaTcSource {
@@ -100,7 +99,7 @@ struct Parameters {
   double rate;               // [Hz]
   double publish_delay;      // a plan takes effect this long after the state it started from [s]
   double valid_for;          // and is valid this long [s]
-  double estimate_timeout;   // a ball estimate older than this counts as lost [s]
+  double estimate_timeout;   // a body estimate older than this counts as lost [s]
   double deadline_fraction;  // of the period, realtime only
   int N;
   double dt;                 // planning step Δt [s]
@@ -115,13 +114,14 @@ struct Parameters {
   task::Task task = task::Circle{};
   DeltaTcSource delta_t_c_source;
   double speed_limit;     // of the planned end effector [m/s]
-  bool predict_ball;      // carry the estimated ball on to the time of the arm's state
-  bool separate_overlap;  // move an estimated ball out of the end effector before linearising
-  // the table is where the ball lies on it, whatever height the model says: a tilt moves it by
+  bool predict_objects;   // carry the estimated body on to the time of the arm's state
+  bool separate_overlap;  // move an estimated body out of the end effector before linearising
+  // the table is where the body lies on it, whatever height the model says: a tilt moves it by
   // millimetres
-  bool table_below_ball = false;
-  std::optional<DisturbanceParameters> disturbance;  // of one ball alone; none: not learnt
-  double tilt;  // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
+  bool table_below_object = false;
+  std::optional<AccelerationFilterParameters>
+      acceleration_filter;  // of one body alone; none: not learnt
+  double tilt;              // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
 
 }  // namespace c3rt::planner

@@ -16,8 +16,8 @@ struct Plan {
   Eigen::Quaterniond q_WE;
   // λ_d as the contacts' force on the end effector, and the strategy's bias, in W [N]
   Eigen::Vector3d force_E;
-  int ball;                     // that the strategy works on
-  Eigen::Vector3d ball_target;  // its x_d^b
+  int body;                     // that the strategy works on
+  Eigen::Vector3d body_target;  // its x_d^b
   double delta_t_c;             // [s]
   Eigen::Vector3d u_c3;         // [N]
   Eigen::VectorXd lambda_d;     // of the step over Δt_c, with every contact [N]

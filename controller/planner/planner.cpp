@@ -20,14 +20,14 @@ Planner::Planner(const Parameters& parameters)
 
 Planner::Planner(const Parameters& parameters, MakeStrategy make)
     : parameters_(parameters), c3_(parameters), strategy_(make(parameters, c3_)) {
-  if (parameters.disturbance) disturbance_.emplace(*parameters.disturbance);
+  if (parameters.acceleration_filter) acceleration_filter_.emplace(*parameters.acceleration_filter);
   plan_.lambda_d = Eigen::VectorXd::Zero(c3_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(c3_.n_x(), parameters.N);
   plan_.lambda = Eigen::MatrixXd::Zero(c3_.n_lambda(), parameters.N);
   plan_.u = Eigen::MatrixXd::Zero(c3_.n_u(), parameters.N);
   plan_.primal_residual = Eigen::VectorXd::Zero(parameters.c3.admm_iterations);
-  plan_.ball = 0;
-  plan_.ball_target.setZero();
+  plan_.body = 0;
+  plan_.body_target.setZero();
   plan_.mode = Mode::kWait;
   plan_.phase = name(Mode::kWait, "");
   hold(Eigen::Vector3d::Zero());
@@ -58,16 +58,16 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   situation.robot_left = input.now - followed_ > kLeft;
   situation.available = available(parameters_, input);
   situation.scene = estimate(input);
-  observe_ball(input, situation.scene, in_c3_);
-  for (scene::Body& ball : situation.scene.bodies) ball.a_WB = disturbance();
+  observe_body(input, situation.scene, in_c3_);
+  for (scene::Body& body : situation.scene.bodies) body.a_WB = free_acceleration();
 
   const Decision& decision = strategy_->decide(situation, c3_);
   in_c3_ = decision.plans_with_c3;
-  if (decision.body_lost) ++counters_.ball_lost;
+  if (decision.body_lost) ++counters_.body_lost;
   plan_.mode = decision.mode;
   plan_.phase = name(decision.mode, decision.phase);
-  plan_.ball = decision.body;
-  plan_.ball_target = decision.body_target;
+  plan_.body = decision.body;
+  plan_.body_target = decision.body_target;
   if (decision.mode == Mode::kWait) {
     hold(situation.available.state() ? input.effector.p_WE : Eigen::Vector3d::Zero());
     plan_.status = PlanStatus::kFallback;
@@ -109,7 +109,7 @@ scene::Scene Planner::estimate(const Input& input) const {
     body.shape = known.shape;
     body.name = known.name;
     // the camera saw the body a while ago; the arm's state is of now
-    if (parameters_.predict_ball) {
+    if (parameters_.predict_objects) {
       const double age = std::min(seen.age, parameters_.estimate_timeout);
       body.p_WB = seen.body.p_WB + age * seen.body.v_WB;
     }
@@ -117,17 +117,17 @@ scene::Scene Planner::estimate(const Input& input) const {
   return scene;
 }
 
-void Planner::observe_ball(const Input& input, const scene::Scene& scene, bool in_c3) {
-  if (!disturbance_) return;
-  // before C3 has touched it somebody may hold the ball
-  if (!in_c3) ball_touched_ = -1.0;
+void Planner::observe_body(const Input& input, const scene::Scene& scene, bool in_c3) {
+  if (!acceleration_filter_) return;
+  // before C3 has touched it somebody may hold the body
+  if (!in_c3) body_touched_ = -1.0;
   if (!in_c3 || !in_view(parameters_, input.bodies[0])) return;
   const double gap = scene::gap(scene.effector, scene.body(0)).distance;
-  if (gap < parameters_.disturbance->gap) ball_touched_ = input.now;
-  if (ball_touched_ < 0.0) return;
+  if (gap < parameters_.acceleration_filter->gap) body_touched_ = input.now;
+  if (body_touched_ < 0.0) return;
   const double exposure = input.now - input.bodies[0].age;
-  disturbance_->observe(exposure, input.bodies[0].body.p_WB.head<2>(),
-                        exposure < ball_touched_ + parameters_.disturbance->settle);
+  acceleration_filter_->observe(exposure, input.bodies[0].body.p_WB.head<2>(),
+                                exposure < body_touched_ + parameters_.acceleration_filter->settle);
 }
 
 double Planner::delta_t_c(const Input& input) const {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "controller/planner/acceleration_filter.hpp"
 #include "controller/planner/availability.hpp"
-#include "controller/planner/ball_disturbance.hpp"
 #include "controller/planner/c3_controller.hpp"
 #include "controller/planner/input.hpp"
 #include "controller/planner/parameters.hpp"
@@ -31,7 +31,7 @@ class Planner {
   const Plan& step(const Input& input, c3::Deadline deadline = {}) noexcept;
 
   struct Counters {
-    std::uint64_t fallbacks = 0, truncated = 0, lcp_failures = 0, speed_clamped = 0, ball_lost = 0;
+    std::uint64_t fallbacks = 0, truncated = 0, lcp_failures = 0, speed_clamped = 0, body_lost = 0;
     std::uint64_t branch_nodes = 0;
     std::uint64_t failures = 0;  // of the planner's own: something threw
   };
@@ -42,17 +42,18 @@ class Planner {
   /// What it is doing and why.
   const Activity& activity() const noexcept { return activity_; }
 
-  /// What is believed to accelerate a ball that nobody touches; 0 if it is not learnt [m/s²].
-  Eigen::Vector2d disturbance() const noexcept {
-    return disturbance_ ? disturbance_->acceleration() : Eigen::Vector2d(Eigen::Vector2d::Zero());
+  /// What is believed to accelerate a body that nobody touches; 0 if it is not learnt [m/s²].
+  Eigen::Vector2d free_acceleration() const noexcept {
+    return acceleration_filter_ ? acceleration_filter_->acceleration()
+                                : Eigen::Vector2d(Eigen::Vector2d::Zero());
   }
 
  private:
   void compose(const Input& input, const c3::Deadline& deadline);
   /// The bodies at the time of the arm's state.
   scene::Scene estimate(const Input& input) const;
-  /// Learns what accelerates the ball that C3 has touched and nobody touches now.
-  void observe_ball(const Input& input, const scene::Scene& scene, bool in_c3);
+  /// Learns what accelerates the body that C3 has touched and nobody touches now.
+  void observe_body(const Input& input, const scene::Scene& scene, bool in_c3);
   double measured_period(const Input& input, bool& interrupted);
   double delta_t_c(const Input& input) const;
   void plan_with_c3(const Input& input, const Decision& decision, const c3::Deadline& deadline);
@@ -63,8 +64,8 @@ class Planner {
   Parameters parameters_;
   C3Controller c3_;
   std::unique_ptr<Strategy> strategy_;
-  std::optional<BallDisturbance> disturbance_;
-  double ball_touched_ = -1.0;  // the end effector was last near the ball; negative: not yet [s]
+  std::optional<AccelerationFilter> acceleration_filter_;
+  double body_touched_ = -1.0;  // the end effector was last near the body; negative: not yet [s]
   bool in_c3_ = false;          // in the last period
   double previous_now_ = -1.0;
   double followed_ = -1.0;  // the robot last followed; negative: not yet [s]

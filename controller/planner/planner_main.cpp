@@ -150,7 +150,7 @@ wire::Plan to_wire(const planner::Plan& plan, const Inputs& in, std::int64_t eff
   wire::Plan out{};
   out.robot = kRobot;
   out.origin.state_ns = in.state.header.time_ns;
-  if (const auto& object = in.objects[static_cast<std::size_t>(plan.ball)]) {
+  if (const auto& object = in.objects[static_cast<std::size_t>(plan.body)]) {
     out.origin.exposure_ns = object->exposure_ns;
     out.origin.estimate_ns = object->header.time_ns;
   }
@@ -177,8 +177,8 @@ void fill_horizon(double (&out)[n], const Eigen::MatrixXd& values) {
 wire::PlannerDebug debug_to_wire(const planner::Plan& plan, const planner::Parameters& parameters) {
   wire::PlannerDebug out{};
   out.robot = kRobot;
-  out.object_index = plan.ball;
-  fill(out.p_WB_target_m, plan.ball_target);
+  out.object_index = plan.body;
+  fill(out.p_WB_target_m, plan.body_target);
   out.delta_t_c_s = plan.delta_t_c;
   out.horizon = parameters.N;
   out.state_count = static_cast<int>(plan.x.rows());
@@ -240,7 +240,7 @@ int run(const config::ProcessOptions& options) {
   auto& overruns = status.counter("overruns");
   auto& truncated = status.counter("truncated");
   auto& fallbacks = status.counter("fallbacks");
-  auto& ball_lost = status.counter("ball_lost");
+  auto& object_lost = status.counter("object_lost");
 
   planner::Planner planner(parameters);
   model::Arm arm(scenario.impedance.arm);
@@ -298,7 +298,7 @@ int run(const config::ProcessOptions& options) {
     }
     truncated = planner.counters().truncated;
     fallbacks = planner.counters().fallbacks;
-    ball_lost = planner.counters().ball_lost;
+    object_lost = planner.counters().body_lost;
     teller.tell(planner.activity(), seconds(now_ns));
   }
   if (!loop.failure().empty()) {
@@ -306,10 +306,10 @@ int run(const config::ProcessOptions& options) {
     return config::kFailedWhileRunning;
   }
   spdlog::info(
-      "planner: stop plans={} truncated={} fallbacks={} ball_lost={} lcp_failures={} "
+      "planner: stop plans={} truncated={} fallbacks={} object_lost={} lcp_failures={} "
       "speed_clamped={}",
       plans.load(), planner.counters().truncated, planner.counters().fallbacks,
-      planner.counters().ball_lost, planner.counters().lcp_failures,
+      planner.counters().body_lost, planner.counters().lcp_failures,
       planner.counters().speed_clamped);
   return config::kStopped;
 }

@@ -15,6 +15,18 @@ Gap gap(const Effector& effector, const Body& body) noexcept {
   return {found.distance - effector.radius, q_WB * found.normal};
 }
 
+void separate(const Effector& effector, const Eigen::Vector3d& away, Body& sphere) noexcept {
+  const double touching = sphere.shape.radius + effector.radius;
+  const Eigen::Vector3d from_end_effector = sphere.p_WB - effector.p_WE;
+  if (from_end_effector.norm() >= touching) return;
+  Eigen::Vector3d direction(from_end_effector.x(), from_end_effector.y(), 0.0);
+  if (direction.norm() < 1e-9) direction = Eigen::Vector3d(away.x(), away.y(), 0.0);
+  if (direction.norm() < 1e-9) direction = Eigen::Vector3d::UnitX();
+  const double height = from_end_effector.z();
+  const double horizontal = std::sqrt(touching * touching - height * height);
+  sphere.p_WB.head<2>() = effector.p_WE.head<2>() + horizontal * direction.normalized().head<2>();
+}
+
 double yaw(const Body& body) noexcept {
   const auto& q = body.q_WB;
   return std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()),

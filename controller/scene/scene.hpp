@@ -61,6 +61,12 @@ struct Gap {
 };
 Gap gap(const Effector& effector, const Body& body) noexcept;
 
+/// Moves a sphere horizontally away from the end effector until they touch, where they overlap
+/// [Algorithm 3, step 1: an estimate with the end effector inside would make the LCS push them
+/// apart at once].
+/// @param away horizontal direction used when the end effector is straight above it
+void separate(const Effector& effector, const Eigen::Vector3d& away, Body& sphere) noexcept;
+
 /// The angle of a body about z: of its rotation without tilt, −π … π [rad].
 double yaw(const Body& body) noexcept;
 

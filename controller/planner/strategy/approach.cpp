@@ -21,7 +21,7 @@ void Approach::begin(const Eigen::Vector3d& p_WE) noexcept {
   settled_since_ = -1.0;
 }
 
-void Approach::to_ball(const ApproachInput& input, const Eigen::Vector3d& p_WB) noexcept {
+void Approach::to_body(const ApproachInput& input, const Eigen::Vector3d& p_WB) noexcept {
   const double tolerance = parameters_.tolerance;
   const Eigen::Vector3d start(p_WB.x(), p_WB.y(), p_WB.z() + parameters_.start_height);
   // a way down once begun is not given up for the noise of the estimate

@@ -1,5 +1,5 @@
 #pragma once
-// The end effector's ways without C3: to above a ball, and up out of the cameras' way.
+// The end effector's ways without C3: to above a body, and up out of the cameras' way.
 #include <Eigen/Core>
 
 #include "controller/planner/parameters.hpp"
@@ -25,12 +25,12 @@ class Approach {
 
   /// Anew from here, at rest.
   void begin(const Eigen::Vector3d& p_WE) noexcept;
-  /// One period's step up, across and down to above a ball, never through one.
-  void to_ball(const ApproachInput& input, const Eigen::Vector3d& p_WB) noexcept;
+  /// One period's step up, across and down to above a body, never through one.
+  void to_body(const ApproachInput& input, const Eigen::Vector3d& p_WB) noexcept;
   /// One period's step up, to where it can start again from.
   void out_of_the_way(const ApproachInput& input) noexcept;
 
-  /// Whether the end effector has been above the ball for the settling time.
+  /// Whether the end effector has been above the body for the settling time.
   bool settled(double now) const noexcept;
   const Eigen::Vector3d& reference() const noexcept { return reference_; }  // in W [m]
   const Eigen::Vector3d& velocity() const noexcept { return velocity_; }    // of it [m/s]

@@ -6,35 +6,36 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr double kHover = 4e-3;      // between end effector and ball on the way to it [m]
+constexpr double kHover = 4e-3;      // between end effector and sphere on the way to it [m]
 constexpr double kNearGap = 1.5e-3;  // from so near it sinks at once, [m]
-constexpr double kNearBeside = 0.025 / 0.0315;  // not farther beside the ball's top, in radii
+constexpr double kNearBeside = 0.025 / 0.0315;  // not farther beside the sphere's top, in radii
 constexpr double kAbove = 4e-3;                 // and from hovering no farther than this [m]
-constexpr double kClosing = 6.0;                // speed per distance on the way to the ball [1/s]
+constexpr double kClosing = 6.0;                // speed per distance on the way to the sphere [1/s]
 constexpr double kCentring = 2.0;               // and while it sinks [1/s]
-constexpr double kClosingSpeed = 0.15;          // on top of the ball's [m/s]
+constexpr double kClosingSpeed = 0.15;          // on top of the sphere's [m/s]
 constexpr double kRate = 2.0;                   // of the reference's velocity [m/s²]
-constexpr double kSmoothing = 0.08;             // of the ball's velocity [s]
+constexpr double kSmoothing = 0.08;             // of the sphere's velocity [s]
 constexpr double kSinking = 0.01;               // [m/s]
 constexpr double kStopped = 2.5e-3;    // it stands on something where it sinks slower [m/s]
 constexpr double kStoppedTime = 0.04;  // for this long [s]
-constexpr double kMissed = 0.02;       // sunk this far below the ball's top: beside it [m]
+constexpr double kMissed = 0.02;       // sunk this far below the sphere's top: beside it [m]
 constexpr double kBraking = 1.0;       // of the reference [m/s²]
-constexpr double kPress = 3.0;         // while the ball is stopped [N]
+constexpr double kPress = 3.0;         // while the sphere is stopped [N]
 constexpr double kStill = 1e-3;        // an end effector slower than this stands still [m/s]
 constexpr double kStand = 0.3;         // it has to stand still for this long [s]
-constexpr double kOffGap = 6e-3;       // the ball is seen to have gone [m]
-constexpr double kAtGoal = 2e-3;       // nearer than this the ball is there [m]
+constexpr double kOffGap = 6e-3;       // the sphere is seen to have gone [m]
+constexpr double kAtGoal = 2e-3;       // nearer than this the sphere is there [m]
 constexpr double kCarryReach = 0.015;  // and from farther it is not carried, as it would slip [m]
 constexpr double kCarrySpeed = 0.03;   // [m/s]
 constexpr double kRelease = 0.5;       // the press fades over this time [s]
-constexpr double kClear = 3e-3;        // rises this far before it is off the ball [m]
+constexpr double kClear = 3e-3;        // rises this far before it is off the sphere [m]
 constexpr double kRiseSpeed = 0.01;    // [m/s]
-constexpr double kRiseRate = 0.02;     // a jerk would kick the ball [m/s²]
+constexpr double kRiseRate = 0.02;     // a jerk would kick the sphere [m/s²]
 
 }  // namespace
 
-Rest::Rest(const Geometry& geometry, double leash) : geometry_(geometry), leash_(leash) {}
+Rest::Rest(double end_effector_radius, double leash)
+    : end_effector_radius_(end_effector_radius), leash_(leash) {}
 
 void Rest::enter(Stage stage, double now) noexcept {
   stage_ = stage;
@@ -42,11 +43,11 @@ void Rest::enter(Stage stage, double now) noexcept {
 }
 
 double Rest::gap(const RestInput& input) const noexcept {
-  return (input.p_WE - input.p_WB).norm() - geometry_.ball_radius - geometry_.end_effector_radius;
+  return (input.p_WE - input.p_WB).norm() - input.radius - end_effector_radius_;
 }
 
 void Rest::begin(const RestInput& input) noexcept {
-  // where the ball is not seen, the end effector is on it
+  // where the sphere is not seen, the end effector is on it
   enter(input.seen ? Stage::kMeet : Stage::kTouch, input.now);
   reference_ = input.p_WE;
   velocity_ = input.v_WE;
@@ -69,8 +70,8 @@ void Rest::advance(const RestInput& input, const Eigen::Vector3d& velocity) noex
 
 void Rest::meet(const RestInput& input) noexcept {
   const double beside = (input.p_WE - input.p_WB).head<2>().norm();
-  const double top = input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius;
-  const bool near = gap(input) < kNearGap && beside < kNearBeside * geometry_.ball_radius;
+  const double top = input.p_WB.z() + input.radius + end_effector_radius_;
+  const bool near = gap(input) < kNearGap && beside < kNearBeside * input.radius;
   from_above_ =
       beside < kAbove && input.p_WE.z() > top + 0.5 * kHover && input.p_WE.z() < top + 2.0 * kHover;
   if (from_above_ || (near && !stopped_)) {
@@ -78,7 +79,7 @@ void Rest::meet(const RestInput& input) noexcept {
     touch(input);
     return;
   }
-  // up before across, as the ball is not to be pushed
+  // up before across, as the sphere is not to be pushed
   Eigen::Vector3d way(input.p_WB.x(), input.p_WB.y(), top + kHover);
   way -= reference_;
   if (beside > kAbove && way.z() > 0.5 * kHover) way.head<2>().setZero();
@@ -98,8 +99,7 @@ void Rest::touch(const RestInput& input) noexcept {
   if (input.v_WE.z() < -kStopped || input.now - since_ < kStoppedTime) still_since_ = input.now;
   if (input.now - still_since_ >= kStoppedTime) {
     enter(Stage::kBrake, input.now);
-  } else if (input.p_WE.z() <
-             input.p_WB.z() + geometry_.ball_radius + geometry_.end_effector_radius - kMissed) {
+  } else if (input.p_WE.z() < input.p_WB.z() + input.radius + end_effector_radius_ - kMissed) {
     enter(input.seen ? Stage::kMeet : Stage::kFailed, input.now);
     press_ = 0.0;
   }
@@ -110,7 +110,7 @@ bool Rest::carry(const RestInput& input) noexcept {
   const Eigen::Vector2d way = *input.goal - input.p_WB.head<2>();
   const Eigen::Vector2d beside = (input.p_WE - input.p_WB).head<2>() + way;  // at its end
   if (way.norm() < kAtGoal || way.norm() > kCarryReach ||
-      beside.norm() > kNearBeside * geometry_.ball_radius)
+      beside.norm() > kNearBeside * input.radius)
     return false;
   carry_to_ = input.p_WE.head<2>() + 2.0 * way;
   carried_ = true;
@@ -183,7 +183,7 @@ void Rest::step(const RestInput& input) noexcept {
       const double time = input.now - since_;
       const double risen = kRiseSpeed * (time - 0.5 * kRiseSpeed / kRiseRate);
       if (risen < kClear) break;
-      // a ball that was stopped from beside its top keeps a spin that makes it creep: once more
+      // a sphere that was stopped from beside its top keeps a spin that makes it creep: once more
       if (carried_) from_above_ = false;
       enter(!from_above_ && input.seen ? Stage::kMeet : Stage::kLeft, input.now);
       break;

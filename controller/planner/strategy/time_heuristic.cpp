@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/model/ball_model.hpp"
+#include "controller/scene/scene.hpp"
 #include "controller/task/circle.hpp"
 
 namespace c3rt::planner {
 namespace {
 
-constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a ball [m]
-// When the end effector is on a ball: between their surfaces, and beside the ball's top [m].
-constexpr double kOnBallGap = 1.5e-3;
-constexpr double kOnBallBeside = 0.025 / 0.0315;  // of its radius
-constexpr double kStoppingLimit = 8.0;  // a ball that is not at rest after this is left [s]
-constexpr double kStoppingRate = 1.0;   // of a ball below an end effector that brakes [m/s²]
-// A ball that stops this near to its point is carried there [m]
+constexpr double kHeightDoubt = 5e-4;  // of the cameras, of a sphere [m]
+// When the end effector is on a sphere: between their surfaces, and beside the sphere's top [m].
+constexpr double kOnSphereGap = 1.5e-3;
+constexpr double kOnSphereBeside = 0.025 / 0.0315;  // of its radius
+constexpr double kStoppingLimit = 8.0;  // a sphere that is not at rest after this is left [s]
+constexpr double kStoppingRate = 1.0;   // of a sphere below an end effector that brakes [m/s²]
+// A sphere that stops this near to its point is carried there [m]
 constexpr double kNearPoint = 0.01;
 constexpr double kAstray = 6e-3;     // and one that is farther away than this [m]
 constexpr double kAstrayTime = 0.3;  // for this long is brought back [s]
@@ -35,9 +35,9 @@ Eigen::Vector2d paced(const Eigen::Vector2d& from, const Eigen::Vector2d& to, do
   return from + pace * way.normalized();
 }
 
-// How far a ball that nobody touches gets in a time.
-Eigen::Vector2d rolled_on(const scene::Body& ball, double time) {
-  return time * ball.v_WB.head<2>() + 0.5 * time * time * ball.a_WB;
+// How far a sphere that nobody touches gets in a time.
+Eigen::Vector2d rolled_on(const scene::Body& sphere, double time) {
+  return time * sphere.v_WB.head<2>() + 0.5 * time * time * sphere.a_WB;
 }
 
 Mode told(TimeHeuristicMode mode) {
@@ -66,9 +66,9 @@ bool in_c3(TimeHeuristicMode mode) {
 TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known) {
   if (!known.state_fresh) return TimeHeuristicMode::kWait;
   if (known.hold_requested) return TimeHeuristicMode::kHold;
-  if (mode == TimeHeuristicMode::kRest && known.ball_left) return TimeHeuristicMode::kHold;
+  if (mode == TimeHeuristicMode::kRest && known.sphere_left) return TimeHeuristicMode::kHold;
   if (known.rest_wanted) return TimeHeuristicMode::kRest;
-  if (!known.balls_at_hand) return TimeHeuristicMode::kHold;
+  if (!known.spheres_at_hand) return TimeHeuristicMode::kHold;
   switch (mode) {
     case TimeHeuristicMode::kWait:
     case TimeHeuristicMode::kHold:
@@ -79,7 +79,7 @@ TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known) {
       return known.start_pose_reached ? TimeHeuristicMode::kReturn : TimeHeuristicMode::kApproach;
     case TimeHeuristicMode::kRoll:
     case TimeHeuristicMode::kReturn:
-      if (known.other_ball || known.robot_left) return TimeHeuristicMode::kApproach;
+      if (known.other_sphere || known.robot_left) return TimeHeuristicMode::kApproach;
       return known.returning ? TimeHeuristicMode::kReturn : TimeHeuristicMode::kRoll;
   }
   return TimeHeuristicMode::kHold;
@@ -87,7 +87,7 @@ TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known) {
 
 TimeHeuristicState::TimeHeuristicState(const Parameters& parameters)
     : approach(parameters.approach, parameters.geometry.table_height),
-      rest(parameters.geometry, parameters.approach.leash) {}
+      rest(parameters.geometry.end_effector_radius, parameters.approach.leash) {}
 
 TimeHeuristic::TimeHeuristic(const Parameters& parameters, C3Controller& c3)
     : parameters_(parameters), state_(parameters) {
@@ -110,19 +110,20 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   advance_phase(input.now, now.scene, was_in_c3 && state_.c3_since >= 0.0);
   Known known{};
   known.state_fresh = now.available.state();
-  known.balls_at_hand = now.available.all();
+  known.spheres_at_hand = now.available.all();
   known.robot_left = now.robot_left;
   known.start_pose_reached = state_.approach.settled(input.now);
   known.returning = state_.phase != Phase::kRoll;
-  // one ball for a whole cycle: half-way to another one nothing is gained
-  const int worked = state_.ball;
+  // one sphere for a whole cycle: half-way to another one nothing is gained
+  const int worked = state_.sphere;
   const bool cycle_ended = state_.mode == TimeHeuristicMode::kRoll && state_.phase != Phase::kRoll;
   const bool stopping = std::holds_alternative<HoldTarget>(input.target);
-  if (known.balls_at_hand && !stopping &&
+  if (known.spheres_at_hand && !stopping &&
       (state_.mode == TimeHeuristicMode::kWait || state_.mode == TimeHeuristicMode::kHold ||
        cycle_ended))
-    state_.ball = ball_to_work_on(parameters_.heuristic, parameters_.task, now.scene, state_.ball);
-  known.other_ball = was_in_c3 && state_.ball != worked;
+    state_.sphere =
+        sphere_to_work_on(parameters_.heuristic, parameters_.task, now.scene, state_.sphere);
+  known.other_sphere = was_in_c3 && state_.sphere != worked;
   decide_rest(now, known);
 
   const TimeHeuristicMode previous = state_.mode;
@@ -137,12 +138,12 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
       state_.phase = phase_at(parameters_.heuristic, 0.0);
       if (state_.task_since < 0.0) state_.task_since = input.now;
     }
-    decision_.body_lost = was_in_c3 && !known.balls_at_hand;
+    decision_.body_lost = was_in_c3 && !known.spheres_at_hand;
   }
 
   decision_.mode = told(state_.mode);
   decision_.phase = state_.mode == TimeHeuristicMode::kRoll ? "roll" : "return";
-  decision_.body = state_.ball;
+  decision_.body = state_.sphere;
   decision_.cause = cause(input);
   decision_.plans_with_c3 = in_c3(state_.mode);
   decision_.force_bias.setZero();
@@ -171,11 +172,11 @@ void TimeHeuristic::move_without_c3(const Situation& now) {
       decision_.p_WE = state_.approach.reference();
       break;
     case TimeHeuristicMode::kApproach: {
-      const Eigen::Vector3d& p_WB = input.bodies[static_cast<std::size_t>(state_.ball)].body.p_WB;
-      state_.approach.to_ball(way, p_WB);
+      const Eigen::Vector3d& p_WB = input.bodies[static_cast<std::size_t>(state_.sphere)].body.p_WB;
+      state_.approach.to_body(way, p_WB);
       decision_.p_WE = state_.approach.reference();
       decision_.v_WE = state_.approach.velocity();
-      decision_.body_target << target(input, 0.0, now.scene, state_.ball), p_WB.z();
+      decision_.body_target << target(input, 0.0, now.scene, state_.sphere), p_WB.z();
       break;
     }
     case TimeHeuristicMode::kWait:
@@ -189,22 +190,20 @@ void TimeHeuristic::move_with_c3(const Situation& now) {
   const Input& input = *now.input;
   decision_.x_hat = now.scene;
   scene::Scene& x_hat = decision_.x_hat;
-  decision_.raised = parameters_.table_below_ball ? lowered(x_hat) : 0.0;
+  decision_.raised = parameters_.table_below_object ? lowered(x_hat) : 0.0;
   const scene::Scene seen = x_hat;
-  const Eigen::Vector2d target_now = target(input, 0.0, seen, state_.ball);
-  const Eigen::Vector2d e = target_now - x_hat.body(state_.ball).p_WB.head<2>();
-  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
+  const Eigen::Vector2d target_now = target(input, 0.0, seen, state_.sphere);
+  const Eigen::Vector2d e = target_now - x_hat.body(state_.sphere).p_WB.head<2>();
 
   // Algorithm 3, step 1: x̂
   if (parameters_.separate_overlap) {
     for (int i = 0; i < x_hat.body_count; ++i) {
-      scene::Body& ball = x_hat.body(i);
-      const Eigen::Vector2d way = target(input, 0.0, seen, i) - ball.p_WB.head<2>();
-      model::separate(parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius,
-                      Eigen::Vector3d(way.x(), way.y(), 0.0), x_hat.effector, ball);
+      scene::Body& sphere = x_hat.body(i);
+      const Eigen::Vector2d way = target(input, 0.0, seen, i) - sphere.p_WB.head<2>();
+      scene::separate(x_hat.effector, Eigen::Vector3d(way.x(), way.y(), 0.0), sphere);
     }
   }
-  const scene::Body& rolled = x_hat.body(state_.ball);
+  const scene::Body& rolled = x_hat.body(state_.sphere);
   const bool rolling = state_.phase == Phase::kRoll;
   const bool follows = !rolling && parameters_.heuristic.return_follows;
   Eigen::Vector3d meeting = rolled.p_WB;
@@ -212,9 +211,9 @@ void TimeHeuristic::move_with_c3(const Situation& now) {
     meeting.head<2>() += rolled_on(rolled, parameters_.heuristic.return_lead);
   const Eigen::Vector3d drawn =
       end_effector_target(parameters_.heuristic, parameters_.geometry, state_.phase,
-                          x_hat.effector.p_WE, meeting, target_now);
+                          x_hat.effector.p_WE, rolled.shape.radius, meeting, target_now);
 
-  // what is wanted: the balls at their targets and the end effector where the heuristic draws it
+  // what is wanted: the spheres at their targets and the end effector where the heuristic draws it
   for (int k = 0; k <= parameters_.N; ++k) {
     const double ahead = k * parameters_.dt;
     scene::Scene& desired = decision_.desired[static_cast<std::size_t>(k)];
@@ -225,22 +224,22 @@ void TimeHeuristic::move_with_c3(const Situation& now) {
           rolled_on(rolled, parameters_.heuristic.return_lead + ahead);
     }
     for (int i = 0; i < x_hat.body_count; ++i) {
-      scene::Body& ball = desired.body(i);
-      ball.p_WB << target(input, ahead, seen, i), ball_height;
+      scene::Body& sphere = desired.body(i);
+      const double radius = x_hat.body(i).shape.radius;
+      sphere.p_WB << target(input, ahead, seen, i), height(x_hat.body(i));
       const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
                                     ? parameters_.task.velocity(elapsed(input), ahead)
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero());
-      ball.v_WB << v, 0.0;
+      sphere.v_WB << v, 0.0;
       // rolling without slipping
-      ball.omega_WB << -v.y() / parameters_.geometry.ball_radius,
-          v.x() / parameters_.geometry.ball_radius, 0.0;
+      sphere.omega_WB << -v.y() / radius, v.x() / radius, 0.0;
     }
   }
-  decision_.body_target << target_now, ball_height;
+  decision_.body_target << target_now, height(rolled);
   decision_.q_WE = tool_orientation(parameters_.tilt, e);
-  decision_.costs = (rolling ? roll_ : back_)[static_cast<std::size_t>(state_.ball)];
-  // A plan that stands on the ball does not hold it: over a tenth of a millimetre of gap, which the
-  // cameras cannot tell from contact, no force acts.
+  decision_.costs = (rolling ? roll_ : back_)[static_cast<std::size_t>(state_.sphere)];
+  // A plan that stands on the sphere does not hold it: over a tenth of a millimetre of gap, which
+  // the cameras cannot tell from contact, no force acts.
   if (rolling) decision_.force_bias.z() = parameters_.heuristic.roll_press;
 }
 
@@ -252,28 +251,29 @@ Cause TimeHeuristic::cause(const Input& input) const {
 
 RestInput TimeHeuristic::rest_input(const Situation& now) const {
   const Input& input = *now.input;
-  const scene::Body& ball = now.scene.body(state_.ball);
+  const scene::Body& sphere = now.scene.body(state_.sphere);
   const auto* to = std::get_if<PointTarget>(&input.target);
   return {input.now,
           now.period,
           input.effector.p_WE,
           input.effector.v_WE,
-          in_view(parameters_, input.bodies[static_cast<std::size_t>(state_.ball)]),
-          ball.p_WB,
-          ball.v_WB,
+          in_view(parameters_, input.bodies[static_cast<std::size_t>(state_.sphere)]),
+          sphere.shape.radius,
+          sphere.p_WB,
+          sphere.v_WB,
           to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
 }
 
 void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
   const Input& input = *now.input;
   TimeHeuristicState& s = state_;
-  const scene::Body& ball = now.scene.body(s.ball);
-  const bool seen = in_view(parameters_, input.bodies[static_cast<std::size_t>(s.ball)]);
+  const scene::Body& sphere = now.scene.body(s.sphere);
+  const bool seen = in_view(parameters_, input.bodies[static_cast<std::size_t>(s.sphere)]);
   // what is not seen is where it was: an end effector that stood on it still does
   if (seen) {
-    const double gap = scene::gap(now.scene.effector, ball).distance;
-    const double beside = (now.scene.effector.p_WE - ball.p_WB).head<2>().norm();
-    s.on_ball = gap < kOnBallGap && beside < kOnBallBeside * parameters_.geometry.ball_radius;
+    const double gap = scene::gap(now.scene.effector, sphere).distance;
+    const double beside = (now.scene.effector.p_WE - sphere.p_WB).head<2>().norm();
+    s.on_sphere = gap < kOnSphereGap && beside < kOnSphereBeside * sphere.shape.radius;
   }
   const bool working = in_c3(s.mode) || s.mode == TimeHeuristicMode::kRest;
 
@@ -292,29 +292,31 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
   if (to == nullptr || (s.delivered && *s.delivered != to->point)) {
     s.delivered.reset();
   } else if (s.delivered) {
-    const bool astray = seen && (ball.p_WB.head<2>() - to->point).norm() > kAstray;
+    const bool astray = seen && (sphere.p_WB.head<2>() - to->point).norm() > kAstray;
     if (!astray) s.astray_since = input.now;
     if (input.now - s.astray_since > kAstrayTime) s.delivered.reset();
   }
-  if (to != nullptr && !s.delivered && known.balls_at_hand) {
-    const Eigen::Vector2d v = ball.v_WB.head<2>();
-    const Eigen::Vector2d stops = ball.p_WB.head<2>() + v * v.norm() / kStoppingRate;
+  if (to != nullptr && !s.delivered && known.spheres_at_hand) {
+    const Eigen::Vector2d v = sphere.v_WB.head<2>();
+    const Eigen::Vector2d stops = sphere.p_WB.head<2>() + v * v.norm() / kStoppingRate;
     delivers = s.mode == TimeHeuristicMode::kRest || (stops - to->point).norm() < kNearPoint;
   }
 
   const Rest::Stage stage = s.rest.stage();
   if (s.mode == TimeHeuristicMode::kRest) {
-    known.rest_wanted = stage != Rest::Stage::kFailed && (hold || delivers || !known.balls_at_hand);
-    known.ball_left = stage == Rest::Stage::kLeft;
+    known.rest_wanted =
+        stage != Rest::Stage::kFailed && (hold || delivers || !known.spheres_at_hand);
+    known.sphere_left = stage == Rest::Stage::kLeft;
   } else if (working) {
-    known.rest_wanted = hold || delivers ||
-                        (s.mode == TimeHeuristicMode::kRoll && s.on_ball && !known.balls_at_hand);
+    known.rest_wanted =
+        hold || delivers ||
+        (s.mode == TimeHeuristicMode::kRoll && s.on_sphere && !known.spheres_at_hand);
   } else {
     known.rest_wanted =
         delivers && s.mode == TimeHeuristicMode::kHold;  // it has crept away a little
   }
-  const bool there = to != nullptr && seen && (ball.p_WB.head<2>() - to->point).norm() < kAstray;
-  if (known.ball_left && delivers && there) {
+  const bool there = to != nullptr && seen && (sphere.p_WB.head<2>() - to->point).norm() < kAstray;
+  if (known.sphere_left && delivers && there) {
     s.delivered = to->point;
     s.astray_since = input.now;
   }
@@ -333,8 +335,8 @@ void TimeHeuristic::advance_phase(double now, const scene::Scene& scene, bool in
     s.touched = false;
     return;
   }
-  const Eigen::Vector3d& p_WB = scene.body(s.ball).p_WB;
-  const double gap = scene::gap(scene.effector, scene.body(s.ball)).distance;
+  const Eigen::Vector3d& p_WB = scene.body(s.sphere).p_WB;
+  const double gap = scene::gap(scene.effector, scene.body(s.sphere)).distance;
   s.touched = s.touched || gap < 0.5 * parameters_.heuristic.return_gap;
   const bool slipped_off =
       (scene.effector.p_WE - p_WB).head<2>().norm() > parameters_.heuristic.roll_reach;
@@ -344,15 +346,17 @@ void TimeHeuristic::advance_phase(double now, const scene::Scene& scene, bool in
   }
 }
 
+double TimeHeuristic::height(const scene::Body& sphere) const {
+  return parameters_.geometry.table_height + sphere.shape.radius;
+}
+
 double TimeHeuristic::lowered(scene::Scene& scene) const {
-  const scene::Body& worked = scene.body(state_.ball);
-  const double ball_height = parameters_.geometry.table_height + parameters_.geometry.ball_radius;
-  double rise = worked.p_WB.z() - ball_height;
-  // A ball that is seen too high would be planned to hold the end effector up, and the press on it,
-  // some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
+  const scene::Body& worked = scene.body(state_.sphere);
+  double rise = worked.p_WB.z() - height(worked);
+  // A sphere that is seen too high would be planned to hold the end effector up, and the press on
+  // it, some newtons a millimetre, be lost: where the two seem to overlap, the table is lower by as
   // much.
-  const double touching =
-      parameters_.geometry.ball_radius + parameters_.geometry.end_effector_radius;
+  const double touching = worked.shape.radius + scene.effector.radius;
   const Eigen::Vector3d above = scene.effector.p_WE - worked.p_WB;
   const double over_square = touching * touching - above.head<2>().squaredNorm();
   if (over_square > 0.0 && above.z() > 0.0) {
@@ -360,19 +364,19 @@ double TimeHeuristic::lowered(scene::Scene& scene) const {
     rise -= std::min(std::max(overlap, 0.0), kHeightDoubt);
   }
   scene.effector.p_WE.z() -= rise;
-  for (scene::Body& ball : scene.bodies) ball.p_WB.z() -= rise;
+  for (scene::Body& sphere : scene.bodies) sphere.p_WB.z() -= rise;
   return rise;
 }
 
 Eigen::Vector2d TimeHeuristic::target(const Input& input, double ahead, const scene::Scene& scene,
-                                      int ball) const {
-  const Eigen::Vector2d at = scene.body(ball).p_WB.head<2>();
+                                      int sphere) const {
+  const Eigen::Vector2d at = scene.body(sphere).p_WB.head<2>();
   const double reach = parameters_.heuristic.target_reach;
   if (const auto* circle = std::get_if<task::Circle>(&input.target))
     return paced(at, circle->next(at), std::min(reach, kTargetPace));
   if (const auto* point = std::get_if<PointTarget>(&input.target))
     return paced(at, point->point, std::min(reach, kTargetPace));
-  return paced(at, parameters_.task.target(scene, ball, elapsed(input), ahead), reach);
+  return paced(at, parameters_.task.target(scene, sphere, elapsed(input), ahead), reach);
 }
 
 double TimeHeuristic::elapsed(const Input& input) const {

@@ -18,13 +18,13 @@ enum class TimeHeuristicMode { kWait, kApproach, kRoll, kReturn, kRest, kHold };
 struct Known {
   bool state_fresh;         // the robot's state is known
   bool robot_left;          // it has not followed for a while: what was going on is over
-  bool balls_at_hand;       // of each a valid estimate younger than the timeout, within reach
-  bool hold_requested;      // a client asks to hold, and no ball has to be brought to rest for it
-  bool rest_wanted;         // the end effector is on a ball that is to lie still
-  bool ball_left;           // it has risen from a ball that lies still
-  bool start_pose_reached;  // the approach has settled above a ball
+  bool spheres_at_hand;     // of each a valid estimate younger than the timeout, within reach
+  bool hold_requested;      // a client asks to hold, and no sphere has to be brought to rest for it
+  bool rest_wanted;         // the end effector is on a sphere that is to lie still
+  bool sphere_left;         // it has risen from a sphere that lies still
+  bool start_pose_reached;  // the approach has settled above a sphere
   bool returning;           // Phase II of the heuristic
-  bool other_ball;          // a cycle has ended and the next one is another ball's
+  bool other_sphere;        // a cycle has ended and the next one is another sphere's
 };
 TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known);
 
@@ -36,13 +36,13 @@ struct TimeHeuristicState {
   Rest rest;
   TimeHeuristicMode mode = TimeHeuristicMode::kWait;
   Phase phase = Phase::kRoll;
-  int ball = 0;                      // that it works on
-  bool touched = false;              // in this Phase I
-  double c3_since = -1.0;            // the cycle began; negative: not yet [s]
-  double task_since = -1.0;          // C3 took over for the first time: the clock of a task in time
-  bool on_ball = false;              // the end effector touches it from above, when last seen
-  double stopping_since = -1.0;      // a rolling ball has to be brought to rest; negative: none [s]
-  bool not_brought_to_rest = false;  // within the time allowed
+  int sphere = 0;                // that it works on
+  bool touched = false;          // in this Phase I
+  double c3_since = -1.0;        // the cycle began; negative: not yet [s]
+  double task_since = -1.0;      // C3 took over for the first time: the clock of a task in time
+  bool on_sphere = false;        // the end effector touches it from above, when last seen
+  double stopping_since = -1.0;  // a rolling sphere has to be brought to rest; negative: none [s]
+  bool not_brought_to_rest = false;          // within the time allowed
   std::optional<Eigen::Vector2d> delivered;  // to this point of a client, in W [m]
   double astray_since = -1.0;                // it has moved away from there; negative: not [s]
 };
@@ -56,25 +56,27 @@ class TimeHeuristic final : public Strategy {
   const Decision& decide(const Situation& situation, C3Controller& c3) override;
 
  private:
-  /// What a client's target and the balls make of the situation: when a ball has to lie still.
+  /// What a client's target and the spheres make of the situation: when a sphere has to lie still.
   void decide_rest(const Situation& now, Known& known);
-  /// The phase of the heuristic now; where the ball has run away its clock starts anew.
+  /// The phase of the heuristic now; where the sphere has run away its clock starts anew.
   void advance_phase(double now, const scene::Scene& scene, bool in_c3);
   void move_without_c3(const Situation& now);
   /// Algorithm 3, step 1, and what is wanted at each stage.
   void move_with_c3(const Situation& now);
-  /// Moves the scene so that the ball lies on the model's table. @return by how much it was above
+  /// Of the centre of a sphere that lies on the table, in W [m].
+  double height(const scene::Body& sphere) const;
+  /// Moves the scene so that the sphere lies on the model's table. @return by how much it was above
   /// it [m]
   double lowered(scene::Scene& scene) const;
   Cause cause(const Input& input) const;
   RestInput rest_input(const Situation& now) const;
-  /// x_d^b of a ball of the scene.
+  /// x_d^b of a sphere of the scene.
   Eigen::Vector2d target(const Input& input, double ahead, const scene::Scene& scene,
-                         int ball) const;
+                         int sphere) const;
   double elapsed(const Input& input) const;
 
   Parameters parameters_;
-  std::vector<int> roll_, back_;  // costs by the ball that is worked on
+  std::vector<int> roll_, back_;  // costs by the sphere that is worked on
   TimeHeuristicState state_;
   Decision decision_;
 };

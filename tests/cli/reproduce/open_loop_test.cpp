@@ -19,8 +19,9 @@ config::Scenario slow() {
 /// The end effector on the ball, which rests and is wanted 2 cm further along.
 Question resting(const config::Scenario& scenario) {
   const planner::Parameters& p = scenario.planner;
-  const double height = p.geometry.table_height + p.geometry.ball_radius;
-  const double touching = height + p.geometry.ball_radius + p.geometry.end_effector_radius;
+  const double radius = p.model.values["ball_radius_m"];
+  const double height = p.geometry.table_height + radius;
+  const double touching = height + radius + p.geometry.end_effector_radius;
   Question question{};
   question.rolling = true;
   scene::Scene& scene = question.scene;

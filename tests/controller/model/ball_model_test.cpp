@@ -274,25 +274,3 @@ TEST_CASE("ball model: the published scale of the single ball is met, whatever t
   CHECK(lcs::force_scale(model::stewart_trinkle(model::ball_contact_system(published, state),
                                                 0.1)) == Approx(6.465e-4).epsilon(2e-3));
 }
-
-TEST_CASE(
-    "ball model: separate moves an overlapping ball sideways until they touch, and no other") {
-  scene::Scene state = resting();
-  state.effector.p_WE = state.body(0).p_WB + Vector3d(0.01, 0.0, 0.04);
-  model::separate(kTouching, Vector3d::UnitX(), state.effector, state.body(0));
-  CHECK((state.effector.p_WE - state.body(0).p_WB).norm() ==
-        Approx(kModel.ball_radius + kModel.end_effector_radius));
-  CHECK(state.body(0).p_WB.z() == kModel.ball_radius);
-  CHECK(state.body(0).p_WB.x() < 0.5);
-  CHECK(state.body(0).p_WB.y() == Approx(0.1));
-
-  state = resting();
-  state.effector.p_WE = state.body(0).p_WB + Vector3d(0.0, 0.0, 0.04);
-  model::separate(kTouching, Vector3d::UnitY(), state.effector, state.body(0));
-  CHECK(state.body(0).p_WB.y() > 0.1);
-
-  state = resting();
-  const Vector3d before = state.body(0).p_WB;
-  model::separate(kTouching, Vector3d::UnitX(), state.effector, state.body(0));
-  CHECK(state.body(0).p_WB == before);
-}

@@ -242,7 +242,7 @@ TEST_CASE(
     }
     CHECK(turns > 0.3);
     CHECK(error < 0.02);
-    CHECK(loop.planner().counters().ball_lost == 0);
+    CHECK(loop.planner().counters().body_lost == 0);
   }
 }
 

@@ -24,6 +24,8 @@ Parameters parameters(const std::vector<std::string>& overrides = {}) {
 
 const Vector3d kBall(0.55, 0.1, -0.0245 + 0.0315);
 
+double radius_of(const Parameters& p) { return p.model.values["ball_radius_m"]; }
+
 Input input_at(double now, const Vector3d& p_WE) {
   Input input{};
   input.now = now;
@@ -80,7 +82,7 @@ TEST_CASE(
     "ball") {
   const Parameters p = parameters();
   Follower follower(p);
-  const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
+  const double touching = radius_of(p) + p.geometry.end_effector_radius;
   Vector3d previous = follower.p_WE;
   double highest = 0.0;
   int periods = 0;
@@ -103,7 +105,7 @@ TEST_CASE(
   p.heuristic.return_gap = 0.005;
   Planner planner(p);
   double now = 0.0;
-  const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
+  const double touching = radius_of(p) + p.geometry.end_effector_radius;
   // the end effector straight above the ball with a gap between them
   const auto phase_with_gap = [&](double gap) {
     const Vector3d p_WE = kBall + Vector3d(0.0, 0.0, touching + gap);
@@ -146,7 +148,7 @@ TEST_CASE(
     where = plan.p_WE;
   }
   CHECK(where.z() == Approx(p.geometry.table_height + p.approach.safe_height));
-  CHECK(follower.planner.counters().ball_lost == 1);
+  CHECK(follower.planner.counters().body_lost == 1);
   CHECK(follower.planner.step(input_at(follower.now, where)).mode == Mode::kApproach);
 }
 
@@ -265,8 +267,7 @@ TEST_CASE("planner: the plan for the next instant respects the contact") {
     // pulls
     CHECK(plan.lambda_d[L::normal_end_effector] >= 0.0);
     CHECK(plan.lambda_d[L::normal_table] >= 0.0);
-    const double gap =
-        (plan.p_WE - kBall).norm() - p.geometry.ball_radius - p.geometry.end_effector_radius;
+    const double gap = (plan.p_WE - kBall).norm() - radius_of(p) - p.geometry.end_effector_radius;
     if (gap > 2e-3) CHECK(plan.lambda_d[L::normal_end_effector] == Approx(0.0).margin(1e-9));
   }
 }
@@ -392,10 +393,10 @@ TEST_CASE("planner: a ball far from its path is brought back by targets near by"
   input.bodies[0].body.p_WB.head<2>() = far;
   const Plan& plan = planner.step(input);
   REQUIRE(plan.mode == Mode::kApproach);
-  CHECK((plan.ball_target.head<2>() - far).norm() == Approx(0.045));
+  CHECK((plan.body_target.head<2>() - far).norm() == Approx(0.045));
   // on the path nothing changes
-  CHECK((planner.step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).ball_target -
-         Planner(parameters()).step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).ball_target)
+  CHECK((planner.step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).body_target -
+         Planner(parameters()).step(input_at(0.01, Vector3d(0.55, 0.0, 0.1))).body_target)
             .norm() < 1e-12);
 }
 
@@ -403,7 +404,7 @@ TEST_CASE("planner: where the table is lower below the ball, the whole plan is l
   const Vector3d lower(0.0, 0.0, -0.002);
   const auto plan_at = [&](const Vector3d& offset) {
     Parameters p = parameters();
-    p.table_below_ball = true;
+    p.table_below_object = true;
     Follower follower(p);
     REQUIRE(follower.until("roll", 2000));
     Input input = input_at(follower.now, follower.p_WE + offset);
@@ -421,10 +422,10 @@ TEST_CASE(
     "planner: a ball seen a little too high is pressed on, and does not hold the end effector up") {
   const auto planned_height = [&](double too_high) {
     Parameters p = parameters();
-    p.table_below_ball = true;
+    p.table_below_object = true;
     Follower follower(p);
     REQUIRE(follower.until("roll", 2000));
-    const double touching = p.geometry.ball_radius + p.geometry.end_effector_radius;
+    const double touching = radius_of(p) + p.geometry.end_effector_radius;
     Input input = input_at(follower.now, kBall + touching * Vector3d::UnitZ());
     input.bodies[0].body.p_WB.z() += too_high;
     return follower.planner.step(input).p_WE.z();
@@ -446,7 +447,7 @@ Input balls_input(const Parameters& p, double now, const Vector3d& p_WE, const V
   Input input = input_at(now, p_WE);
   input.effector.v_WE = v_WE;
   for (int i = 0; i < p.model.bodies; ++i) {
-    const Vector3d at(0.55, 0.1 - 0.12 * i, p.geometry.table_height + p.geometry.ball_radius);
+    const Vector3d at(0.55, 0.1 - 0.12 * i, p.geometry.table_height + radius_of(p));
     input.bodies[static_cast<std::size_t>(i)] = {true, 0.0, {at}};
   }
   return input;
@@ -487,11 +488,11 @@ TEST_CASE("planner: several balls are planned for, the one behind is approached 
   for (int i = 0; i < 600 && planned < 100; ++i, now += 1.0 / p.rate) {
     const Plan& plan = planner.step(balls_input(p, now, p_WE, v_WE));
     REQUIRE(finite(plan));
-    CHECK(plan.ball == 0);
+    CHECK(plan.body == 0);
     if (plan.phase == std::string("return") || plan.phase == std::string("roll")) {
       ++planned;
       CHECK(plan.status == PlanStatus::kOk);
-      CHECK((plan.ball_target.head<2>() - Eigen::Vector2d(0.55, 0.1 + step)).norm() < 1e-12);
+      CHECK((plan.body_target.head<2>() - Eigen::Vector2d(0.55, 0.1 + step)).norm() < 1e-12);
     }
     p_WE = plan.p_WE;
     v_WE = plan.v_WE;

@@ -33,8 +33,8 @@ struct Follower {
   double now = 0.0;
 
   Follower() { approach.begin(p_WE); }
-  void to_ball(const Vector3d& p_WB) {
-    approach.to_ball({now += kPeriod, kPeriod, p_WE}, p_WB);
+  void to_body(const Vector3d& p_WB) {
+    approach.to_body({now += kPeriod, kPeriod, p_WE}, p_WB);
     p_WE = approach.reference();
   }
 };
@@ -47,7 +47,7 @@ TEST_CASE("approach: it goes up, across and down, and nothing moves sideways bel
   double highest = 0.0;
   Vector3d previous = follower.p_WE;
   while (!follower.approach.settled(follower.now)) {
-    follower.to_ball(kBall);
+    follower.to_body(kBall);
     REQUIRE(follower.now < 10.0);
     const Vector3d moved = follower.p_WE - previous;
     CHECK(moved.norm() <= parameters().speed * kPeriod + 1e-12);
@@ -68,11 +68,11 @@ TEST_CASE("approach: it is settled once it has been above the ball for the settl
   follower.approach.begin(start);
   follower.p_WE = start;
   CHECK_FALSE(follower.approach.settled(1e9));
-  follower.to_ball(kBall);
+  follower.to_body(kBall);
   const double since = follower.now;
   CHECK_FALSE(follower.approach.settled(since + 0.29));
   CHECK(follower.approach.settled(since + 0.31));
-  follower.to_ball(kBall + Vector3d(0.01, 0.0, 0.0));
+  follower.to_body(kBall + Vector3d(0.01, 0.0, 0.0));
   CHECK_FALSE(follower.approach.settled(since + 0.31));
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("approach: it is gentle and ends, also with an estimate that jumps eve
   for (int i = 0; !follower.approach.settled(follower.now); ++i) {
     REQUIRE(follower.now < 6.0);
     const Vector3d noise(std::sin(12.9898 * i), std::sin(78.233 * i), 0.0);
-    follower.to_ball(kBall + 0.002 * noise);
+    follower.to_body(kBall + 0.002 * noise);
     // twice 1 m/s² over one period
     CHECK((follower.approach.velocity() - velocity).norm() <= 2.0 * kPeriod + 1e-9);
     velocity = follower.approach.velocity();
@@ -94,11 +94,11 @@ TEST_CASE("approach: it waits for an arm that does not follow, and goes on when 
   Approach approach(p, kTable);
   approach.begin(kBegin);
   double now = 0.0;
-  for (int i = 0; i < 500; ++i) approach.to_ball({now += kPeriod, kPeriod, kBegin}, kBall);
+  for (int i = 0; i < 500; ++i) approach.to_body({now += kPeriod, kPeriod, kBegin}, kBall);
   const Vector3d waiting = approach.reference();
   CHECK((waiting - kBegin).norm() == Approx(p.leash).margin(p.speed * kPeriod));
   CHECK(approach.velocity().norm() <= 2.0 * kPeriod);  // of one period
-  for (int i = 0; i < 2; ++i) approach.to_ball({now += kPeriod, kPeriod, waiting}, kBall);
+  for (int i = 0; i < 2; ++i) approach.to_body({now += kPeriod, kPeriod, waiting}, kBall);
   CHECK(approach.reference().z() > waiting.z());
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("approach: it comes to an arm that is kept back, and takes it to the b
   Vector3d p_WE(border, 0.1, 0.12);
   double now = 0.0;
   for (int i = 0; i < 2000; ++i) {
-    approach.to_ball({now += kPeriod, kPeriod, p_WE}, kBall);
+    approach.to_body({now += kPeriod, kPeriod, p_WE}, kBall);
     p_WE = approach.reference();
     p_WE.x() = std::min(p_WE.x(), border);
   }
@@ -127,13 +127,13 @@ TEST_CASE(
   double now = 0.0;
   for (int i = 0; i < 200; ++i) {
     const Vector3d moved = kBegin + Vector3d(0.0, 0.0002 * i, 0.0);
-    approach.to_ball({now += kPeriod, kPeriod, moved, false}, kBall);
+    approach.to_body({now += kPeriod, kPeriod, moved, false}, kBall);
     REQUIRE(approach.reference() == moved);
     REQUIRE(approach.velocity().isZero());
   }
   // not even above the ball does it settle
   const Vector3d start = kBall + Vector3d(0.0, 0.0, parameters().start_height);
-  for (int i = 0; i < 200; ++i) approach.to_ball({now += kPeriod, kPeriod, start, false}, kBall);
+  for (int i = 0; i < 200; ++i) approach.to_body({now += kPeriod, kPeriod, start, false}, kBall);
   CHECK_FALSE(approach.settled(now));
 }
 

@@ -18,7 +18,8 @@ namespace {
 const HeuristicParameters kHeuristic{1.0,  0.5,  0.004, 0.02, {0.0951, 0.0911, 0.0691},
                                      0.0,  0.01, 0.03,  0.0,  false,
                                      10.0, 1.0,  1.0,   0.03, 0.1};
-const Geometry kGeometry{0.0195, 0.0315, -0.0245};
+const Geometry kGeometry{0.0195, -0.0245};
+constexpr double kRadius = 0.0315;
 }  // namespace
 
 TEST_CASE(
@@ -37,7 +38,7 @@ TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind 
   const Vector3d end_effector(0.5, 0.05, 0.06), ball(0.55, 0.1, 0.007);
   const Vector2d target(0.55 + 0.1, 0.1);  // straight along +x
   const auto at = [&](Phase phase) {
-    return end_effector_target(kHeuristic, kGeometry, phase, end_effector, ball, target);
+    return end_effector_target(kHeuristic, kGeometry, phase, end_effector, kRadius, ball, target);
   };
   CHECK((at(Phase::kRoll) - Vector3d(0.55, 0.1, 0.062)).norm() < 1e-12);  // FIGURES 4.6
   CHECK((at(Phase::kReturnUp) - Vector3d(0.5, 0.05, 0.0951 - 0.0245)).norm() < 1e-12);
@@ -47,8 +48,8 @@ TEST_CASE("heuristic: the end effector is drawn above the ball, then up, behind 
 
 TEST_CASE("heuristic: a ball on its target gives a finite target above it") {
   const Vector3d ball(0.55, 0.1, 0.007);
-  const Vector3d target =
-      end_effector_target(kHeuristic, kGeometry, Phase::kReturnDown, ball, ball, ball.head<2>());
+  const Vector3d target = end_effector_target(kHeuristic, kGeometry, Phase::kReturnDown, ball,
+                                              kRadius, ball, ball.head<2>());
   CHECK(target.allFinite());
 }
 
@@ -56,7 +57,7 @@ TEST_CASE("planner mode: what comes next in every situation") {
   const auto situation = [](bool state, bool ball, bool hold, bool reached, bool returning) {
     Known known{};
     known.state_fresh = state;
-    known.balls_at_hand = ball;
+    known.spheres_at_hand = ball;
     known.hold_requested = hold;
     known.start_pose_reached = reached;
     known.returning = returning;
@@ -85,16 +86,16 @@ TEST_CASE("planner mode: what comes next in every situation") {
         TimeHeuristicMode::kReturn);
   // to another ball through the air
   Known other = situation(true, true, false, false, true);
-  other.other_ball = true;
+  other.other_sphere = true;
   CHECK(next(TimeHeuristicMode::kRoll, other) == TimeHeuristicMode::kApproach);
-  other.balls_at_hand = false;
+  other.spheres_at_hand = false;
   CHECK(next(TimeHeuristicMode::kRoll, other) == TimeHeuristicMode::kHold);
   // a ball is brought to rest before the end effector leaves it
   Known rest = situation(true, true, false, false, false);
   rest.rest_wanted = true;
   CHECK(next(TimeHeuristicMode::kRoll, rest) == TimeHeuristicMode::kRest);
   CHECK(next(TimeHeuristicMode::kRest, rest) == TimeHeuristicMode::kRest);
-  rest.ball_left = true;
+  rest.sphere_left = true;
   CHECK(next(TimeHeuristicMode::kRest, rest) == TimeHeuristicMode::kHold);
   // where the robot did not follow, what was going on is over
   Known left = situation(true, true, false, false, false);
@@ -117,7 +118,7 @@ scene::Scene balls_at(const std::vector<Vector2d>& places) {
 }
 
 int choice(const scene::Scene& scene, int now) {
-  return ball_to_work_on(kHeuristic, kLine, scene, now);
+  return sphere_to_work_on(kHeuristic, kLine, scene, now);
 }
 }  // namespace
 
@@ -125,8 +126,8 @@ TEST_CASE("heuristic: along a line the ball that is farthest behind is worked on
   CHECK(choice(balls_at({{0.55, 0.2}, {0.55, 0.05}}), 1) == 0);
   CHECK(choice(balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 1);
   CHECK(choice(balls_at({{0.55, 0.0}, {0.55, 0.13}, {0.55, 0.26}, {0.55, -0.13}}), 0) == 2);
-  CHECK(ball_to_work_on(kHeuristic, task::Circle{{0.55, 0.0}, 0.1, 0.3},
-                        balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 0);
+  CHECK(sphere_to_work_on(kHeuristic, task::Circle{{0.55, 0.0}, 0.1, 0.3},
+                          balls_at({{0.55, 0.05}, {0.55, 0.2}}), 0) == 0);
 }
 
 TEST_CASE("heuristic: a ball in the way of the one behind it goes first") {

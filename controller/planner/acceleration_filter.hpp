@@ -1,5 +1,5 @@
 #pragma once
-// What accelerates a ball that nobody touches: a table that is tilted, and that the model has
+// What accelerates a body that nobody touches: a table that is tilted, and that the model has
 // level.
 #include <Eigen/Core>
 
@@ -8,25 +8,25 @@
 namespace c3rt::planner {
 
 /// Kalman filter of (p, v, a) for x and y alike: a is constant, and v is known anew whenever the
-/// ball was touched, as a contact may change it by any amount but leaves a as it is. So a is drawn
+/// body was touched, as a contact may change it by any amount but leaves a as it is. So a is drawn
 /// together from many short stretches of rolling freely.
-class BallDisturbance {
+class AccelerationFilter {
  public:
-  explicit BallDisturbance(const DisturbanceParameters& parameters);
+  explicit AccelerationFilter(const AccelerationFilterParameters& parameters);
 
-  /// One seen position of the ball. Not finite, or not newer than the last one: nothing changes.
+  /// One seen position of the body. Not finite, or not newer than the last one: nothing changes.
   /// @param time of the exposure [s]  @param p_WB (x, y) [m]
-  /// @param touched the ball may have been touched since the last one
+  /// @param touched the body may have been touched since the last one
   /// RT: no heap, no lock, no throw.
   void observe(double time, const Eigen::Vector2d& p_WB, bool touched) noexcept;
 
-  /// Never longer than DisturbanceParameters::limit [m/s²].
+  /// Never longer than AccelerationFilterParameters::limit [m/s²].
   const Eigen::Vector2d& acceleration() const noexcept { return acceleration_; }
 
  private:
   void start_stretch(const Eigen::Vector2d& p_WB) noexcept;
 
-  DisturbanceParameters parameters_;
+  AccelerationFilterParameters parameters_;
   double time_ = -1.0;  // of the last position [s]; negative: none yet
   Eigen::Matrix<double, 3, 2> mean_ = Eigen::Matrix<double, 3, 2>::Zero();  // p, v, a of x and of y
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();                    // of both alike

@@ -1,4 +1,4 @@
-#include "controller/planner/ball_disturbance.hpp"
+#include "controller/planner/acceleration_filter.hpp"
 
 #include <cmath>
 
@@ -7,16 +7,16 @@ namespace {
 
 constexpr double kUnknownSpeed = 1.0;  // what a contact may leave [m/s]
 constexpr double kLongestPause = 0.2;  // between positions of one stretch [s]
-constexpr double kGate = 6.0;          // standard deviations: farther off, somebody pushed the ball
+constexpr double kGate = 6.0;          // standard deviations: farther off, somebody pushed the body
 
 }  // namespace
 
-BallDisturbance::BallDisturbance(const DisturbanceParameters& parameters)
+AccelerationFilter::AccelerationFilter(const AccelerationFilterParameters& parameters)
     : parameters_(parameters) {
   covariance_(2, 2) = parameters.limit * parameters.limit;
 }
 
-void BallDisturbance::start_stretch(const Eigen::Vector2d& p_WB) noexcept {
+void AccelerationFilter::start_stretch(const Eigen::Vector2d& p_WB) noexcept {
   mean_.row(0) = p_WB.transpose();
   mean_.row(1).setZero();
   const double of_acceleration = covariance_(2, 2);
@@ -26,7 +26,7 @@ void BallDisturbance::start_stretch(const Eigen::Vector2d& p_WB) noexcept {
   covariance_(2, 2) = of_acceleration;
 }
 
-void BallDisturbance::observe(double time, const Eigen::Vector2d& p_WB, bool touched) noexcept {
+void AccelerationFilter::observe(double time, const Eigen::Vector2d& p_WB, bool touched) noexcept {
   if (!std::isfinite(time) || !p_WB.allFinite() || (time_ >= 0.0 && time <= time_)) return;
   const double dt = time - time_;
   const bool first = time_ < 0.0;
