@@ -2,26 +2,12 @@
 
 #include <algorithm>
 
-#include "controller/base/time.hpp"
-
 namespace c3rt::wire {
 namespace {
 
 constexpr int kDepth = 64;  // requests that may wait
 
 }  // namespace
-
-std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept {
-  return now_ns + base::nanoseconds(fault.duration_s);
-}
-
-void FaultWindows::begin(const FaultInject& fault, std::int64_t now_ns) noexcept {
-  if (fault.kind == c3rt_v2_FAULT_STALL) stall_until_ns_.store(end_of(fault, now_ns));
-  if (fault.kind == c3rt_v2_FAULT_NAN) nan_until_ns_.store(end_of(fault, now_ns));
-  if (fault.kind != c3rt_v2_FAULT_NONE) return;
-  stall_until_ns_.store(0);
-  nan_until_ns_.store(0);
-}
 
 Endpoint::Endpoint(Bus& bus, Process process, const FaultScope& scope, const Log& log, Wakes wakes)
     : process_(process),

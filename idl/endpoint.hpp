@@ -1,7 +1,6 @@
 #pragma once
 // What clients ask of a process and what it says of itself: requests, faults, answers and status,
 // the same way in every process.
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -13,23 +12,6 @@
 #include "idl/replies.hpp"
 
 namespace c3rt::wire {
-
-/// Until when a process takes and sends nothing (stall), and until when what it sends is spoilt
-/// (NaN). One thread begins them, another one may ask.
-class FaultWindows {
- public:
-  /// Of a fault that was let in; other kinds change nothing, FAULT_NONE ends both.
-  void begin(const FaultInject& fault, std::int64_t now_ns) noexcept;
-  // RT: no heap, no lock, no throw
-  bool stalls(std::int64_t now_ns) const noexcept { return now_ns < stall_until_ns_.load(); }
-  bool spoils(std::int64_t now_ns) const noexcept { return now_ns < nan_until_ns_.load(); }
-
- private:
-  std::atomic<std::int64_t> stall_until_ns_{0}, nan_until_ns_{0};
-};
-
-/// The instant at which a fault that begins now ends.
-std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept;
 
 struct Answer {
   bool ok;
@@ -75,6 +57,10 @@ class Endpoint {
 
   /// The process's state and a sentence about it. @return whether either is new
   bool say(c3rt_v2_ServiceState state, const std::string& text);
+  /// A sentence for the log alone.
+  void tell(bool attention, const std::string& sentence) const {
+    if (log_) log_(attention, sentence);
+  }
 
   StatusReporter& status() noexcept { return status_; }
   Replies& replies() noexcept { return replies_; }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "controller/base/time.hpp"
+
 namespace c3rt::wire {
 namespace {
 
@@ -111,6 +113,18 @@ std::string describe(const FaultInject& fault) {
     return text("%s %d for %g s", name, static_cast<int>(fault.index), fault.duration_s);
   if (lasts(fault.kind)) return text("%s for %g s", name, fault.duration_s);
   return fault.kind == c3rt_v2_FAULT_NONE ? "every fault ended" : name;
+}
+
+std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept {
+  return now_ns + base::nanoseconds(fault.duration_s);
+}
+
+void FaultWindows::begin(const FaultInject& fault, std::int64_t now_ns) noexcept {
+  if (fault.kind == c3rt_v2_FAULT_STALL) stall_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind == c3rt_v2_FAULT_NAN) nan_until_ns_.store(end_of(fault, now_ns));
+  if (fault.kind != c3rt_v2_FAULT_NONE) return;
+  stall_until_ns_.store(0);
+  nan_until_ns_.store(0);
 }
 
 }  // namespace c3rt::wire

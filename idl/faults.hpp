@@ -1,6 +1,8 @@
 #pragma once
 // Which faults can be injected, into which process and how far: one answer for the processes and
 // for who asks them.
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,5 +29,22 @@ std::string describe(const FaultInject& fault);
 
 /// "push-ball"; "?" for no kind.
 const char* fault_name(c3rt_v2_FaultKind kind);
+
+/// Until when a process takes and sends nothing (stall), and until when what it sends is spoilt
+/// (NaN). One thread begins them, another one may ask.
+class FaultWindows {
+ public:
+  /// Of a fault that was let in; other kinds change nothing, FAULT_NONE ends both.
+  void begin(const FaultInject& fault, std::int64_t now_ns) noexcept;
+  // RT: no heap, no lock, no throw
+  bool stalls(std::int64_t now_ns) const noexcept { return now_ns < stall_until_ns_.load(); }
+  bool spoils(std::int64_t now_ns) const noexcept { return now_ns < nan_until_ns_.load(); }
+
+ private:
+  std::atomic<std::int64_t> stall_until_ns_{0}, nan_until_ns_{0};
+};
+
+/// The instant at which a fault that begins now ends.
+std::int64_t end_of(const FaultInject& fault, std::int64_t now_ns) noexcept;
 
 }  // namespace c3rt::wire

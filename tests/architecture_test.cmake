@@ -41,7 +41,7 @@ may(vision/track controller/base)
 may(vision controller/base vision/track plant_emulator)
 may(plant_emulator controller/base controller/scene)
 may(config)
-may(idl controller/base controller/rt config)
+may(idl controller/base controller/rt controller/scene config)
 may(cli/report cli controller/base controller/task plant_emulator)
 may(cli/example cli cli/report controller/example controller/model plant_emulator)
 may(cli/campaign cli cli/report cli/example config controller/base)
@@ -55,10 +55,13 @@ files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controll
 # config's top: a scenario is made of every room's section, a problem file of the solver's
 files_may("^config/scenario[.]" controller/impedance controller/planner controller/task controller/c3 plant_emulator vision)
 files_may("^config/(json_reader|problem_file|problem_result)[.]" controller/c3)
-# what speaks on the bus
-files_may("^controller/impedance/(service|servo)[.]" controller/rt idl)
-files_may("^plant_emulator/messages[.]" idl)
-files_may("_main[.]cpp$" config idl controller/base controller/rt controller/model controller/task plant_emulator)
+# a node speaks the types of the wire; its service, and the impedance controller's servo, speak on the bus
+files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/node[.]" idl controller/base controller/scene
+    controller/model controller/task)
+files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(service|servo)[.]" idl controller/base
+    controller/rt controller/scene controller/model)
+files_may("^vision/scene_source[.]" idl controller/scene)
+files_may("_main[.]cpp$" config idl controller/base controller/rt)
 
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.
 set(pure controller/base controller/scene controller/task controller/lcs controller/qp controller/c3 controller/horizon

@@ -1,10 +1,9 @@
 #pragma once
-// The loop body of c3rt-impedance: newest samples from the network, one step, command to the
-// network.
+// The impedance node on a bus: newest samples from the network, one step, command to the network.
 #include <atomic>
 #include <cstdint>
 
-#include "controller/impedance/controller.hpp"
+#include "controller/impedance/node.hpp"
 #include "controller/rt/latest.hpp"
 #include "controller/rt/statistics.hpp"
 #include "idl/endpoint.hpp"
@@ -51,20 +50,17 @@ class Servo {
   std::uint64_t commands_failed() const noexcept { return commands_.failed(); }
 
  private:
-  void take_samples(std::int64_t now_ns) noexcept;
-  void send(const Output& output, std::int64_t now_ns) noexcept;
+  void show(const Node::Output& out) noexcept;
 
   const bool realtime_;
   wire::Signal state_arrival_;
   wire::Inlet<wire::RobotState> states_;
   wire::Inlet<wire::Plan> plans_;
   wire::Outlet<wire::RobotCommand> commands_;
-  Controller controller_;
+  Node node_;
 
   wire::RobotState state_{};
   wire::Plan plan_{};
-  Input input_;
-  wire::RobotCommand command_{};
   Snapshot snapshot_;
 
   std::atomic<bool> stop_{false}, recover_{false};

@@ -1,0 +1,155 @@
+#include "controller/planner/node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "controller/base/time.hpp"
+#include "controller/task/circle.hpp"
+#include "idl/convert.hpp"
+#include "idl/text.hpp"
+
+namespace c3rt::planner {
+namespace {
+
+using base::nanoseconds;
+using base::seconds;
+
+constexpr long kRobot = 0;
+constexpr double kCommandTimeout = 0.1;  // [s]
+
+struct DeadlineClock {
+  std::int64_t (*now_ns)() noexcept;
+  std::int64_t at_ns;
+  static bool reached(void* context) noexcept {
+    const DeadlineClock& self = *static_cast<DeadlineClock*>(context);
+    return self.now_ns() >= self.at_ns;
+  }
+};
+
+BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
+  return {seen.valid, seconds(now_ns - seen.exposure_ns), wire::body(seen)};
+}
+
+/// @param effective_ns from when on it is followed
+void fill_plan(wire::Plan& out, const Plan& plan, const Node::Input& in,
+               std::int64_t effective_ns) {
+  out = {};
+  out.robot = kRobot;
+  out.origin.state_ns = in.state.header.time_ns;
+  if (const auto& object = in.objects[static_cast<std::size_t>(plan.body)]) {
+    out.origin.exposure_ns = object->exposure_ns;
+    out.origin.estimate_ns = object->header.time_ns;
+  }
+  out.status = plan.status == PlanStatus::kOk          ? c3rt_v2_PLAN_OK
+               : plan.status == PlanStatus::kTruncated ? c3rt_v2_PLAN_TRUNCATED
+                                                       : c3rt_v2_PLAN_FALLBACK;
+  wire::set_text(out.phase, plan.phase);
+  out.knot_count = 1;
+  c3rt_v2_Knot& knot = out.knots[0];
+  knot.time_ns = effective_ns + nanoseconds(plan.delta_t_c);
+  wire::fill(knot.p_WE_m, plan.p_WE);
+  wire::fill(knot.v_WE_m_per_s, plan.v_WE);
+  wire::fill(knot.q_WE, plan.q_WE);
+  wire::fill(knot.force_E_n, plan.force_E);
+}
+
+/// One step after the other.
+template <std::size_t n>
+void fill_horizon(double (&out)[n], const Eigen::MatrixXd& values) {
+  wire::fill(out, values.reshaped());
+}
+
+void fill_debug(wire::PlannerDebug& out, const Plan& plan, int horizon) {
+  out = {};
+  out.robot = kRobot;
+  out.object_index = plan.body;
+  wire::fill(out.p_WB_target_m, plan.body_target);
+  out.delta_t_c_s = plan.delta_t_c;
+  out.horizon = horizon;
+  out.state_count = static_cast<int>(plan.x.rows());
+  out.force_count = static_cast<int>(plan.lambda.rows());
+  out.input_count = static_cast<int>(plan.u.rows());
+  wire::fill(out.u_c3, plan.u_c3);
+  wire::fill(out.lambda_d, plan.lambda_d);
+  fill_horizon(out.states, plan.x);
+  fill_horizon(out.forces, plan.lambda);
+  fill_horizon(out.inputs, plan.u);
+  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v2_MAX_ADMM);
+  wire::fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
+                                      plan.primal_residual.size(), out.admm_iterations)));
+  out.complementarity_violation = plan.complementarity_violation;
+}
+
+}  // namespace
+
+Target target_of(const wire::TaskTarget& sample) {
+  const Eigen::Vector2d at(sample.center_m[0], sample.center_m[1]);
+  switch (sample.kind) {
+    case c3rt_v2_TARGET_SCENARIO:
+      return ScenarioTarget{};
+    case c3rt_v2_TARGET_HOLD:
+      return HoldTarget{};
+    case c3rt_v2_TARGET_CIRCLE:
+      return task::Circle{at, sample.radius_m, sample.lead_rad};
+    case c3rt_v2_TARGET_POINT:
+      return PointTarget{at};
+  }
+  return HoldTarget{};  // no other kind passes the reader
+}
+
+Node::Node(const Parameters& parameters, model::Arm arm, const Clock& clock)
+    : parameters_(parameters),
+      clock_(clock),
+      planner_(parameters),
+      arm_(std::move(arm)),
+      solve_time_(clock.solve_time) {}
+
+planner::Input Node::planner_input(std::int64_t now_ns, const Input& in) {
+  planner::Input input{};
+  input.now = seconds(now_ns);
+  input.target = in.target;
+  input.stopped = in.stopped;
+  input.solve_time = solve_time_;
+  input.state_age = in.has_state ? seconds(now_ns - in.state.header.time_ns)
+                                 : std::numeric_limits<double>::infinity();
+  input.robot_follows = in.has_state && in.state.mode == c3rt_v2_ROBOT_MOVE &&
+                        in.command.mode == c3rt_v2_IMPEDANCE_TRACK &&
+                        seconds(now_ns - in.command.header.time_ns) <= kCommandTimeout;
+  if (in.has_state) {
+    model::ArmState arm_state;
+    arm_.update(wire::vector(in.state.q_rad), wire::vector(in.state.dq_rad_per_s), arm_state);
+    input.effector.p_WE = arm_state.X_WE.translation();
+    input.effector.v_WE = arm_state.V_WE.head<3>();
+  }
+  for (std::size_t i = 0; i < in.objects.size(); ++i) {
+    if (in.objects[i]) input.bodies[i] = body_input(*in.objects[i], now_ns);
+  }
+  return input;
+}
+
+const Node::Output& Node::step(std::int64_t now_ns, const Input& in) {
+  const std::int64_t started_ns = clock_.now_ns();
+  DeadlineClock deadline{
+      clock_.now_ns, started_ns + nanoseconds(parameters_.deadline_fraction / parameters_.rate)};
+  const Plan& plan = planner_.step(
+      planner_input(now_ns, in),
+      clock_.realtime ? c3::Deadline{&DeadlineClock::reached, &deadline} : c3::Deadline{});
+  output_.measured = seconds(clock_.now_ns() - started_ns);
+  if (clock_.realtime) solve_time_ = output_.measured;
+  output_.plans = in.has_state && plan.mode != Mode::kWait;
+  if (!output_.plans) return output_;
+
+  const std::int64_t solved_ns =
+      clock_.realtime ? clock_.now_ns() : now_ns + nanoseconds(clock_.solve_time);
+  output_.effective_ns = std::max(now_ns + nanoseconds(parameters_.publish_delay), solved_ns);
+  fill_plan(output_.plan, plan, in, output_.effective_ns);
+  output_.plan.solve_time_s = output_.measured;
+  output_.plan.valid_until_ns = output_.effective_ns + nanoseconds(parameters_.valid_for);
+  if (in.spoilt) output_.plan.knots[0].p_WE_m[0] = std::numeric_limits<double>::quiet_NaN();
+  fill_debug(output_.debug, plan, parameters_.N);
+  return output_;
+}
+
+}  // namespace c3rt::planner

@@ -1,0 +1,44 @@
+#pragma once
+// The planner's node on a bus: its mailboxes, its clients, its status.
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "controller/planner/node.hpp"
+#include "idl/endpoint.hpp"
+
+namespace c3rt::planner {
+
+class Service {
+ public:
+  /// @param clock of the node; its solves take solve_time in simulated time
+  Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters, model::Arm arm,
+          double solve_time);
+
+  /// One period: what is in effect at now_ns is taken, and a plan is sent.
+  void step(std::int64_t now_ns);
+  std::string summary() const;  // for the log
+
+ private:
+  void take(std::int64_t now_ns);
+  void take_targets(std::int64_t now_ns);
+  void serve_clients(std::int64_t now_ns);
+  void tell(double now);
+
+  wire::Endpoint& endpoint_;
+  const Parameters parameters_;
+  const TargetLimits limits_;
+  Node node_;
+  wire::Reader<wire::RobotState> states_;
+  wire::Reader<wire::RobotCommand> commands_;
+  wire::Reader<wire::ObjectEstimate> estimates_;
+  wire::Reader<wire::TaskTarget> targets_;
+  wire::Writer<wire::Plan> plans_;
+  wire::Writer<wire::PlannerDebug> debug_;
+  Node::Input in_;
+  wire::FaultWindows faults_;
+  Activity told_;
+  std::atomic<std::uint64_t>&sent_, &overruns_, &truncated_, &fallbacks_, &object_lost_;
+};
+
+}  // namespace c3rt::planner

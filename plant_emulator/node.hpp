@@ -1,0 +1,73 @@
+#pragma once
+// The robot, the table and what lies on it, on the types of the wire: one command in, state and
+// scene out, once per cycle. No bus, no clock, no thread: service.hpp has those.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "plant_emulator/orders.hpp"
+#include "plant_emulator/plant.hpp"
+
+namespace c3rt::plant {
+
+constexpr std::int64_t kCycleNs = 1'000'000;
+
+/// Due instants of a period: true once for each that has passed.
+class Schedule {
+ public:
+  explicit Schedule(std::int64_t period_ns) : period_ns_(period_ns) {}
+  bool due(std::int64_t now_ns) noexcept {
+    if (now_ns < next_ns_) return false;
+    next_ns_ += ((now_ns - next_ns_) / period_ns_ + 1) * period_ns_;
+    return true;
+  }
+
+ private:
+  std::int64_t period_ns_;
+  std::int64_t next_ns_ = 0;
+};
+
+class Node {
+ public:
+  struct Output {
+    wire::RobotState state{};
+    bool scene_due = false;  // at an exposure, or for the recorder
+    wire::Scene scene{};
+  };
+  struct Counters {
+    std::uint64_t reflexes = 0, exposures = 0, faults = 0;
+    int moving_cycles = 0;  // in a row
+  };
+
+  /// @param exposure_rate of the cameras [1/s]
+  /// @throws as Plant
+  Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed);
+
+  // all of them RT: no heap, no throw
+
+  /// What a client asked for, from the next step on. A stall is the process's affair.
+  void obey(const Order& order) noexcept;
+  /// What is now, before the first step.
+  const Output& start(std::int64_t now_ns) noexcept { return observe(now_ns); }
+  /// One cycle of the robot, which ends at now_ns. Valid until the next one.
+  /// @param command that has come since; nullptr: none
+  const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept;
+
+  const Plant& plant() const noexcept { return plant_; }
+  const Counters& counters() const noexcept { return counters_; }
+
+ private:
+  const Output& observe(std::int64_t now_ns) noexcept;
+
+  Plant plant_;
+  Schedule exposure_, scene_;
+  std::vector<Push> pushes_;  // of the scenario
+  std::size_t pushed_ = 0;
+  double nan_until_ = 0.0;  // [s]
+  Mode mode_ = Mode::kIdle;
+  Counters counters_;
+  Output output_;
+};
+
+}  // namespace c3rt::plant

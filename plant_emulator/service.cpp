@@ -1,0 +1,165 @@
+#include "plant_emulator/service.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "plant_emulator/errors.hpp"
+
+namespace c3rt::plant {
+namespace {
+
+constexpr double kStanding = 0.02;  // [rad/s]
+
+/// Stands still, but not when it is asked to end.
+void stall(double duration) noexcept {
+  using std::chrono::steady_clock;
+  const auto until = steady_clock::now() + std::chrono::duration<double>(duration);
+  while (!wire::StopFlag::requested() && steady_clock::now() < until)
+    std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+        until - steady_clock::now(), std::chrono::milliseconds(10)));
+}
+
+/// Of a fault that is not refused.
+Order order_of(const wire::FaultInject& fault) {
+  Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
+              Eigen::Map<const Eigen::Vector3d>(fault.value)};
+  if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) order.kind = OrderKind::kPushBall;
+  if (fault.kind == c3rt_v2_FAULT_DROP_COMMANDS) order.kind = OrderKind::kDropCommands;
+  if (fault.kind == c3rt_v2_FAULT_STALL) order.kind = OrderKind::kStall;
+  if (fault.kind == c3rt_v2_FAULT_NAN) order.kind = OrderKind::kNan;
+  return order;
+}
+
+}  // namespace
+
+wire::FaultScope fault_scope(const Parameters& parameters) {
+  wire::FaultScope scope;
+  for (const BallParameters& ball : parameters.world.balls) scope.ball_masses.push_back(ball.mass);
+  return scope;
+}
+
+Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
+                 double exposure_rate, std::uint64_t seed)
+    : endpoint_(endpoint),
+      realtime_(bus.clock() == wire::ClockMode::kRealtime),
+      node_(parameters, exposure_rate, seed),
+      commands_(bus),
+      states_(bus),
+      scenes_(bus),
+      cycles_(endpoint.status().counter("cycles")),
+      lost_commands_(endpoint.status().counter("lost_commands")),
+      saturated_(endpoint.status().counter("saturated_cycles")),
+      reflexes_(endpoint.status().counter("reflexes")),
+      success_(endpoint.status().counter("success_rate_1e3")),
+      success_min_(endpoint.status().counter("success_rate_min_1e3")),
+      exposures_(endpoint.status().counter("exposures")),
+      faults_(endpoint.status().counter("faults")) {
+  success_min_ = 1000;
+}
+
+void Service::step(std::int64_t at_ns, std::int64_t now_ns) noexcept {
+  Order order{};
+  while (orders_.take(order)) obey(order);
+  // a robot follows what has reached it, in simulated time what is in effect
+  const bool came = realtime_ ? commands_.take(command_) : commands_.take(at_ns, command_);
+  const Node::Output& out = node_.step(now_ns, came ? &command_ : nullptr);
+  show();
+  send(out, now_ns);
+}
+
+void Service::obey(const Order& order) noexcept {
+  node_.obey(order);
+  if (order.kind == OrderKind::kStall) stall(order.duration);
+}
+
+void Service::send(const Node::Output& out, std::int64_t now_ns) noexcept {
+  states_.put(out.state, now_ns);
+  if (out.scene_due) scenes_.put(out.scene, now_ns);
+}
+
+void Service::show() noexcept {
+  const State& s = node_.plant().state();
+  const Node::Counters& counters = node_.counters();
+  const auto set = [](std::atomic<std::uint64_t>& counter, std::uint64_t value) {
+    counter.store(value, std::memory_order_relaxed);
+  };
+  set(cycles_, ++count_);
+  set(lost_commands_, s.lost_commands);
+  set(saturated_, s.saturated_cycles);
+  set(reflexes_, counters.reflexes);
+  set(exposures_, counters.exposures);
+  set(faults_, counters.faults);
+  const auto success = static_cast<std::uint64_t>(std::lround(1000 * s.command_success_rate));
+  set(success_, success);
+  // the window must be full, or one early loss would read as a bad connection
+  if (counters.moving_cycles >= kSuccessWindow && success < success_min_)
+    set(success_min_, success);
+  shown_moving_.store(counters.moving_cycles, std::memory_order_relaxed);
+  shown_standing_.store(s.dq.cwiseAbs().maxCoeff() < kStanding, std::memory_order_relaxed);
+  shown_mode_.store(s.mode, std::memory_order_relaxed);
+  shown_errors_.store(s.errors, std::memory_order_relaxed);
+  shown_waiting_.store(node_.plant().waits_for_commands(), std::memory_order_relaxed);
+}
+
+void Service::serve(std::int64_t now_ns) {
+  const std::uint64_t cycle = cycles_.load();
+  endpoint_.serve_requests(
+      now_ns, [this](c3rt_v2_RequestVerb verb) { return order(verb); }, cycle);
+  endpoint_.answer_pending(now_ns, cycle, [this](c3rt_v2_RequestVerb verb, bool late) {
+    return verb == c3rt_v2_REQUEST_RECOVER ? recovered(late) : stopped(late);
+  });
+  endpoint_.serve_faults(now_ns, [this](const wire::FaultInject& fault) {
+    return std::string(orders_.put(order_of(fault)) ? "" : "too many faults at once");
+  });
+  const Mode mode = shown_mode_.load();
+  const bool well = mode == Mode::kIdle || mode == Mode::kMove;
+  const std::string text = mode_text();
+  if (endpoint_.say(well ? c3rt_v2_SERVICE_RUNNING : c3rt_v2_SERVICE_DEGRADED, text))
+    endpoint_.tell(false, "mode " + text);
+}
+
+std::optional<wire::Answer> Service::order(c3rt_v2_RequestVerb verb) {
+  const OrderKind kind = verb == c3rt_v2_REQUEST_RECOVER ? OrderKind::kRecover : OrderKind::kStop;
+  if (orders_.put({kind, 0, 0, Eigen::Vector3d::Zero()})) return {};
+  return wire::Answer{false, "too many requests at once"};
+}
+
+std::optional<wire::Answer> Service::stopped(bool late) const {
+  const bool stands = shown_mode_.load() != Mode::kMove && shown_standing_.load();
+  if (stands) return wire::Answer{true, "stopped, the arm stands; recover ends it"};
+  if (late) return wire::Answer{false, "the arm does not stand yet"};
+  return {};
+}
+
+std::optional<wire::Answer> Service::recovered(bool late) const {
+  const Mode mode = shown_mode_.load();
+  const bool moves = mode == Mode::kMove && shown_moving_.load() >= wire::kSteadyCycles;
+  // a reflex that ends by itself is no answer yet
+  const bool stopped_again =
+      (mode == Mode::kReflex && !shown_waiting_.load()) || mode == Mode::kUserStopped;
+  if (!moves && !stopped_again && !late) return {};
+  return wire::Answer{moves,
+                      mode == Mode::kIdle ? "idle: no commands arrive; does c3rt-impedance run?"
+                      : mode == Mode::kMove && !moves ? "the robot stopped again and moves again"
+                                                      : mode_text()};
+}
+
+std::string Service::mode_text() const {
+  switch (shown_mode_.load()) {
+    case Mode::kIdle:
+      return "idle: holds its position and waits for a command";
+    case Mode::kMove:
+      return "follows commands";
+    case Mode::kReflex:
+      return "reflex: " + names(shown_errors_.load()) +
+             (shown_waiting_.load() ? "; moves again once commands come steadily"
+                                    : "; request recover");
+    case Mode::kUserStopped:
+      break;
+  }
+  return "stopped by a person; request recover";
+}
+
+}  // namespace c3rt::plant

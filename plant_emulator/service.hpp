@@ -1,0 +1,58 @@
+#pragma once
+// The plant's node on a bus: its mailboxes, its clients, its status.
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "idl/endpoint.hpp"
+#include "plant_emulator/node.hpp"
+
+namespace c3rt::plant {
+
+/// What a fault of the plant can be about.
+wire::FaultScope fault_scope(const Parameters& parameters);
+
+/// One thread steps. Another one may serve clients: what they ask goes through a queue.
+class Service {
+ public:
+  Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
+          double exposure_rate, std::uint64_t seed);
+
+  /// Sends what is now, before the first step.
+  void start(std::int64_t now_ns) noexcept { send(node_.start(now_ns), now_ns); }
+  /// Obeys clients, takes the command that is in effect at `at_ns` (realtime: the newest), moves on
+  /// by one cycle, and sends what is at now_ns. RT (realtime): no heap, no lock, no throw.
+  void step(std::int64_t at_ns, std::int64_t now_ns) noexcept;
+  /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
+  void serve(std::int64_t now_ns);
+
+ private:
+  void obey(const Order& order) noexcept;
+  void send(const Node::Output& out, std::int64_t now_ns) noexcept;
+  void show() noexcept;
+  std::optional<wire::Answer> order(c3rt_v2_RequestVerb verb);
+  std::optional<wire::Answer> stopped(bool late) const;
+  std::optional<wire::Answer> recovered(bool late) const;
+  std::string mode_text() const;
+
+  wire::Endpoint& endpoint_;
+  const bool realtime_;
+  Node node_;
+  wire::Inlet<wire::RobotCommand> commands_;
+  wire::Outlet<wire::RobotState> states_;
+  wire::Outlet<wire::Scene> scenes_;
+  wire::RobotCommand command_{};
+  OrderQueue orders_;
+  std::uint64_t count_ = 0;
+  std::atomic<std::uint64_t>&cycles_, &lost_commands_, &saturated_, &reflexes_, &success_,
+      &success_min_, &exposures_, &faults_;
+
+  // for the thread that serves clients
+  std::atomic<Mode> shown_mode_{Mode::kIdle};
+  std::atomic<Errors> shown_errors_{0};
+  std::atomic<int> shown_moving_{0};
+  std::atomic<bool> shown_standing_{false}, shown_waiting_{false};
+};
+
+}  // namespace c3rt::plant

@@ -1,0 +1,117 @@
+#include "vision/node.hpp"
+
+#include <limits>
+
+#include "controller/base/time.hpp"
+#include "idl/convert.hpp"
+#include "idl/text.hpp"
+
+namespace c3rt::vision {
+
+Node::Node(const Parameters& parameters, const std::vector<ObjectStart>& objects, Source& source)
+    : period_ns_(base::nanoseconds(1.0 / parameters.rate)), objects_(objects), source_(source) {
+  for (const ObjectStart& object : objects_)
+    estimators_.emplace_back(parameters.estimator, object.radius);
+}
+
+void Node::inject(const wire::FaultInject& fault, std::int64_t now_ns) {
+  faults_.begin(fault, now_ns);
+  if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA)
+    source_.freeze(fault.index, wire::end_of(fault, now_ns));
+  if (fault.kind == c3rt_v2_FAULT_LOSE_OBJECT) lose_until_ns_ = wire::end_of(fault, now_ns);
+  if (fault.kind == c3rt_v2_FAULT_NONE) {
+    lose_until_ns_ = 0;
+    source_.freeze(-1, 0);
+  }
+}
+
+const Node::Output& Node::step(std::int64_t now_ns) {
+  output_.exposure_ns = 0;
+  output_.estimates.clear();
+  output_.detections.clear();
+  output_.events.clear();
+  const std::optional<std::int64_t> exposure_ns = source_.exposed();
+  if (!exposure_ns || faults_.stalls(now_ns)) return output_;
+  output_.exposure_ns = *exposure_ns;
+  count_exposure(*exposure_ns);
+  predictions_.clear();
+  for (std::size_t i = 0; i < estimators_.size(); ++i) {
+    const Estimate& before = estimators_[i].estimate();
+    predictions_.push_back({before.seen ? estimators_[i].predict(*exposure_ns) : objects_[i].p_WB,
+                            before.valid || !before.seen});
+  }
+  std::vector<Observation> seen = source_.observe(predictions_);
+  for (std::size_t i = 0; i < seen.size(); ++i) observe(i, *exposure_ns, seen[i]);
+  return output_;
+}
+
+void Node::count_exposure(std::int64_t exposure_ns) {
+  if (last_exposure_ns_ != 0) {
+    // those in between never arrived, or too late
+    const std::int64_t periods = (exposure_ns - last_exposure_ns_ + period_ns_ / 2) / period_ns_;
+    if (periods > 1) counters_.dropped_frames += static_cast<std::uint64_t>(periods - 1);
+  }
+  last_exposure_ns_ = exposure_ns;
+  ++counters_.exposures;
+}
+
+void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& seen) {
+  Estimator& estimator = estimators_[index];
+  const Estimate before = estimator.estimate();
+  if (exposure_ns < lose_until_ns_) {
+    seen.measurement.found = false;
+    seen.cameras_used = 0;
+    for (View& view : seen.views) view.detection.found = view.used = false;
+  }
+  const Estimate& estimate = estimator.step(seen.measurement);
+  counters_.cameras_used += static_cast<std::uint64_t>(seen.cameras_used);
+  tell(index, before, estimate);
+
+  wire::ObjectEstimate out{};
+  out.object_index = static_cast<int>(index);
+  wire::set_text(out.name, objects_[index].name);
+  out.exposure_ns = exposure_ns;
+  out.valid = estimate.valid;
+  out.sensors_used = seen.cameras_used;
+  wire::fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : estimate.p_WB);
+  wire::fill(out.p_WB_m, estimate.p_WB);
+  wire::fill(out.v_WB_m_per_s, estimate.v_WB);
+  wire::fill(out.omega_rad_per_s, estimate.omega_WB);
+  wire::fill(out.q_WB, estimate.q_WB);
+  if (faults_.spoils(exposure_ns)) out.p_WB_m[0] = std::numeric_limits<double>::quiet_NaN();
+  output_.estimates.push_back(out);
+
+  for (std::size_t i = 0; i < seen.views.size(); ++i) {
+    const View& view = seen.views[i];
+    if (!view.frame) ++counters_.dropped_frames;
+    wire::ObjectDetection detection{};
+    detection.camera = static_cast<int>(i);
+    detection.object_index = static_cast<int>(index);
+    detection.exposure_ns = exposure_ns;
+    detection.found = view.detection.found;
+    detection.used = view.used;
+    detection.u_px = view.detection.centre.x();
+    detection.v_px = view.detection.centre.y();
+    detection.radius_px = view.detection.radius;
+    wire::fill(detection.p_WB_m, view.detection.p_WB);
+    output_.detections.push_back(detection);
+  }
+}
+
+void Node::tell(std::size_t index, const Estimate& before, const Estimate& now) {
+  if (now.restarted && before.valid) ++counters_.restarts;
+  if (now.valid == before.valid) return;
+  if (!now.valid) ++counters_.lost_events;
+  std::string lost;
+  for (std::size_t i = 0; i < estimators_.size(); ++i) {
+    const Estimate& estimate = estimators_[i].estimate();
+    if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
+  }
+  degraded_ = !lost.empty();
+  text_ = degraded_                 ? "lost ball " + lost
+          : estimators_.size() == 1 ? "tracks the ball"
+                                    : "tracks the balls";
+  output_.events.push_back("ball=" + std::to_string(index) + (now.valid ? " found" : " lost"));
+}
+
+}  // namespace c3rt::vision

@@ -1,0 +1,66 @@
+#pragma once
+// Vision on the types of the wire: exposures in, estimates out. No bus, no clock, no thread:
+// c3rt-vision gives it both clocks, a test gives it neither.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "idl/faults.hpp"
+#include "vision/parameters.hpp"
+#include "vision/source.hpp"
+
+namespace c3rt::vision {
+
+/// What there is to know of an object before it is seen.
+struct ObjectStart {
+  std::string name;  // as in the plant's model
+  double radius;     // [m]
+  Eigen::Vector3d p_WB;
+};
+
+class Node {
+ public:
+  struct Output {
+    std::int64_t exposure_ns = 0;  // 0: there was none, and the rest is empty
+    std::vector<wire::ObjectEstimate> estimates;
+    std::vector<wire::ObjectDetection> detections;
+    std::vector<std::string> events;  // a sentence for each object that was found or lost
+  };
+  struct Counters {
+    std::uint64_t exposures = 0, dropped_frames = 0, cameras_used = 0, lost_events = 0,
+                  restarts = 0;
+  };
+
+  Node(const Parameters& parameters, const std::vector<ObjectStart>& objects, Source& source);
+
+  /// What the source has seen since the last step; valid until the next one.
+  const Output& step(std::int64_t now_ns);
+  /// Of a fault that was let in.
+  void inject(const wire::FaultInject& fault, std::int64_t now_ns);
+
+  const Counters& counters() const noexcept { return counters_; }
+  bool degraded() const noexcept { return degraded_; }
+  const std::string& text() const noexcept { return text_; }  // a sentence for a person
+
+ private:
+  void count_exposure(std::int64_t exposure_ns);
+  void observe(std::size_t index, std::int64_t exposure_ns, Observation& seen);
+  void tell(std::size_t index, const Estimate& before, const Estimate& now);
+
+  const std::int64_t period_ns_;
+  const std::vector<ObjectStart> objects_;
+  Source& source_;
+  std::vector<Estimator> estimators_;
+  std::vector<Prediction> predictions_;
+  Output output_;
+  Counters counters_;
+  bool degraded_ = false;
+  std::string text_ = "waits for the first exposure";
+  wire::FaultWindows faults_;
+  std::int64_t lose_until_ns_ = 0;
+  std::int64_t last_exposure_ns_ = 0;
+};
+
+}  // namespace c3rt::vision

@@ -1,0 +1,117 @@
+#include "vision/scene_source.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "idl/convert.hpp"
+#include "plant_emulator/start.hpp"
+#include "vision/emulated.hpp"
+#include "vision/faulty_camera.hpp"
+#include "vision/virtual_cameras.hpp"
+
+namespace c3rt::vision {
+namespace {
+
+class EmulatedSource : public SceneSource {
+ public:
+  EmulatedSource(int objects, const Parameters& parameters, std::uint64_t seed)
+      : SceneSource(objects), sensor_(parameters.emulated, seed) {}
+
+  void freeze(int, std::int64_t) override {}
+
+ private:
+  std::vector<Observation> look(const wire::Scene& scene,
+                                const std::vector<Prediction>& predictions) override {
+    std::vector<Observation> seen(predictions.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Eigen::Vector3d truth = wire::vector(scene.objects[i].p_WB_m);
+      seen[i].measurement = {scene.header.time_ns, truth.norm() < kRange_m, sensor_.measure(truth)};
+      seen[i].cameras_used = 1;
+    }
+    return seen;
+  }
+
+  static constexpr double kRange_m = 5.0;  // no camera of this table sees farther
+  EmulatedSensor sensor_;
+};
+
+class CameraSource : public SceneSource {
+ public:
+  CameraSource(const plant::World& world, const Parameters& parameters, std::uint64_t seed)
+      : SceneSource(static_cast<int>(world.balls.size())),
+        rig_(plant::drawn_table(world, seed), parameters, seed) {
+    std::vector<Camera*> cameras;
+    for (Camera* camera : rig_.cameras()) {
+      faulty_.push_back(std::make_unique<FaultyCamera>(*camera));
+      cameras.push_back(faulty_.back().get());
+    }
+    std::vector<BallModel> balls;
+    for (std::size_t i = 0; i < world.balls.size(); ++i) {
+      const double radius = world.balls[i].radius;
+      balls.push_back({radius, world.table_height + radius, plant::kBallColours.at(i)});
+    }
+    tracker_ = std::make_unique<Tracker>(parameters, balls, cameras);
+  }
+
+  void freeze(int camera, std::int64_t until_ns) override {
+    for (int i = 0; i < static_cast<int>(faulty_.size()); ++i) {
+      if (camera < 0 || camera == i) faulty_[static_cast<std::size_t>(i)]->freeze(until_ns);
+    }
+  }
+
+ private:
+  std::vector<Observation> look(const wire::Scene& scene,
+                                const std::vector<Prediction>& predictions) override {
+    expose(scene);
+    std::vector<Observation> seen;
+    for (const Sighting& sighting : tracker_->observe(pose_.exposure_ns, predictions)) {
+      seen.push_back({{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
+                      sighting.fusion.cameras_used,
+                      sighting.views});
+    }
+    return seen;
+  }
+
+  void expose(const wire::Scene& scene) {
+    pose_.exposure_ns = scene.header.time_ns;
+    std::copy(std::begin(scene.q_rad), std::end(scene.q_rad), pose_.q.begin());
+    pose_.X_WB.resize(static_cast<std::size_t>(scene.object_count));
+    for (int i = 0; i < scene.object_count; ++i) {
+      Eigen::Isometry3d& X_WB = pose_.X_WB[static_cast<std::size_t>(i)];
+      X_WB = wire::quaternion(scene.objects[i].q_WB);
+      X_WB.translation() = wire::vector(scene.objects[i].p_WB_m);
+    }
+    rig_.expose(pose_);
+  }
+
+  VirtualCameras rig_;
+  std::vector<std::unique_ptr<FaultyCamera>> faulty_;
+  std::unique_ptr<Tracker> tracker_;
+  ScenePose pose_;
+};
+
+}  // namespace
+
+bool SceneSource::hear(const wire::Scene& scene) {
+  if (!scene.exposure) return true;
+  if (scene.object_count != objects_) return false;
+  newest_ = scene;
+  new_ = true;
+  return true;
+}
+
+std::optional<std::int64_t> SceneSource::exposed() {
+  if (!new_) return {};
+  new_ = false;
+  return newest_.header.time_ns;
+}
+
+std::unique_ptr<SceneSource> make_scene_source(const plant::World& world,
+                                               const Parameters& parameters, std::uint64_t seed) {
+  if (parameters.source == SourceKind::kEmulated) {
+    return std::make_unique<EmulatedSource>(static_cast<int>(world.balls.size()), parameters, seed);
+  }
+  return std::make_unique<CameraSource>(world, parameters, seed);
+}
+
+}  // namespace c3rt::vision

@@ -1,0 +1,46 @@
+#pragma once
+// Vision's node on a bus: its mailboxes, its clients, its status.
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "idl/endpoint.hpp"
+#include "vision/node.hpp"
+#include "vision/scene_source.hpp"
+
+namespace c3rt::vision {
+
+/// What a fault of vision can be about.
+wire::FaultScope fault_scope(const Parameters& parameters);
+
+class Service {
+ public:
+  /// Looks at the plant's scene (make_scene_source).
+  /// @param latency exposure to estimate, in simulated time [s]
+  Service(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
+          const Parameters& parameters, double latency, std::uint64_t seed);
+
+  /// Works on the newest exposure that has come, if there is one.
+  void step(std::int64_t now_ns);
+  std::string summary() const;  // for the log
+
+ private:
+  void serve_clients(std::int64_t now_ns);
+  void write(Node::Output& out);
+  void tell(const Node::Output& out);
+
+  wire::Endpoint& endpoint_;
+  const bool realtime_;
+  const std::int64_t latency_ns_;
+  std::unique_ptr<SceneSource> source_;
+  Node node_;
+  wire::Reader<wire::Scene> scenes_;
+  wire::Writer<wire::ObjectDetection> detections_;
+  wire::Writer<wire::ObjectEstimate> estimates_;
+  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,
+      &foreign_scenes_;
+};
+
+}  // namespace c3rt::vision
