@@ -80,7 +80,7 @@ class DirectQp final : public QpStep {
       cost_.gradient(z, x_N, gradient_, gradient_N_);
       ++refinements;
       const double previous = change;
-      change = relative_step(sizes_, step_, z);
+      change = riccati_.relative_step(step_, z);
       if (refinements == 0) continue;
       // a step shrinks the error by about as much as the steps shrink
       next_change = change < previous ? change * (change / previous) : change;
@@ -95,7 +95,7 @@ class DirectQp final : public QpStep {
     if (primal <= kConsistent && dual <= kAcceptable && next_change <= kSettled) {
       status = QpStatus::kSolved;
     }
-    if (!found.is_known()) status = QpStatus::kNotFactorable;
+    if (!found.is_known) status = QpStatus::kNotFactorable;
     if (status != QpStatus::kSolved && !(z.allFinite() && x_N.allFinite())) {
       status = QpStatus::kNotFactorable;
     }

@@ -120,6 +120,68 @@ C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int l
   }
 }
 
+/// y = a + X c − b, or b − (a + X c); no a is zeros.
+template <bool kMinusB>
+C3RT_INLINE void combine(int rows, int cols, const double* X, int stride, const double* c,
+                         const double* a, const double* b, double* y) {
+  if (rows < 4) {
+    for (int i = 0; i < rows; ++i) {
+      double sum = a == nullptr ? 0.0 : a[i];
+      for (int j = 0; j < cols; ++j) sum += X[static_cast<long>(j) * stride + i] * c[j];
+      y[i] = kMinusB ? sum - b[i] : b[i] - sum;
+    }
+    return;
+  }
+  for (int i = 0; i < rows; i += 4) {
+    const int at = std::min(i, rows - 4);  // the last four may overlap those before
+    const double* x = X + at;
+    Four sum = {0.0, 0.0, 0.0, 0.0};
+    if (a != nullptr) sum = *reinterpret_cast<const FourAnywhere*>(a + at);
+    for (int j = 0; j < cols; ++j, x += stride) {
+      const Four factors = {c[j], c[j], c[j], c[j]};
+      sum += factors * *reinterpret_cast<const FourAnywhere*>(x);
+    }
+    const Four other = *reinterpret_cast<const FourAnywhere*>(b + at);
+    *reinterpret_cast<FourAnywhere*>(y + at) = kMinusB ? sum - other : other - sum;
+  }
+}
+
+constexpr long long kSize = std::numeric_limits<long long>::max();  // all but a double's sign
+
+C3RT_INLINE double finite_or_nan(long long bits) {
+  double value;
+  std::memcpy(&value, &bits, sizeof value);
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// A maximum of sizes: without their signs, doubles are in the order of their bits, and NaN is
+/// above infinity.
+struct Largest {
+  FourBits most = {0, 0, 0, 0};
+  long long all = 0;
+
+  C3RT_INLINE void add(int rows, const double* X) {
+    if (rows >= 4) {
+      for (int i = 0; i < rows; i += 4) {  // the last four may overlap those before
+        const FourBits bits =
+            kSize & *reinterpret_cast<const FourBitsAnywhere*>(X + std::min(i, rows - 4));
+        most = bits > most ? bits : most;
+      }
+    } else {
+      for (int i = 0; i < rows; ++i) {
+        long long bits;
+        std::memcpy(&bits, X + i, sizeof bits);
+        all = std::max(all, bits & kSize);
+      }
+    }
+  }
+  C3RT_INLINE double value() const {
+    long long result = all;
+    for (int i = 0; i < 4; ++i) result = std::max<long long>(result, most[i]);
+    return finite_or_nan(result);
+  }
+};
+
 /// The row from which column j of a symmetric matrix is computed.
 C3RT_INLINE int from_row(int j) { return j / 4 * 4; }
 
@@ -238,30 +300,67 @@ C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const do
   }
 }
 
-C3RT_WIDE double largest(int rows, int cols, const double* X, int stride) noexcept {
-  // without their signs, doubles are in the order of their bits, and NaN is above infinity
-  constexpr long long kSize = std::numeric_limits<long long>::max();
-  FourBits most = {0, 0, 0, 0};
-  long long all = 0;
-  for (int j = 0; j < cols; ++j, X += stride) {
-    if (rows >= 4) {
-      for (int i = 0; i < rows; i += 4) {  // the last four may overlap those before
-        const FourBits bits =
-            kSize & *reinterpret_cast<const FourBitsAnywhere*>(X + std::min(i, rows - 4));
-        most = bits > most ? bits : most;
-      }
-    } else {
-      for (int i = 0; i < rows; ++i) {
-        long long bits;
-        std::memcpy(&bits, X + i, sizeof bits);
-        all = std::max(all, bits & kSize);
-      }
+C3RT_WIDE void product_and_terms(int rows, int cols, const double* X, const double* c, double* y,
+                                 double* terms) noexcept {
+  const int ld = padded(rows);
+  for (int i = 0; i < ld; i += 4, X += 4) {
+    Four sum = {0.0, 0.0, 0.0, 0.0}, size = sum;
+    for (int j = 0; j < cols; ++j) {
+      const Four factors = {c[j], c[j], c[j], c[j]};
+      const Four term = factors * *reinterpret_cast<const FourAnywhere*>(X + j * ld);
+      sum += term;
+      size += reinterpret_cast<Four>(kSize & reinterpret_cast<FourBits>(term));
     }
+    *reinterpret_cast<FourAnywhere*>(y + i) = sum;
+    *reinterpret_cast<FourAnywhere*>(terms + i) = size;
   }
-  for (int i = 0; i < 4; ++i) all = std::max<long long>(all, most[i]);
-  double value;
-  std::memcpy(&value, &all, sizeof value);
-  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+C3RT_WIDE void product_minus(int rows, int cols, const double* X, int stride, const double* c,
+                             const double* b, double* y) noexcept {
+  combine<true>(rows, cols, X, stride, c, nullptr, b, y);
+}
+
+C3RT_WIDE void minus_product(int rows, int cols, const double* X, int stride, const double* c,
+                             const double* a, const double* b, double* y) noexcept {
+  combine<false>(rows, cols, X, stride, c, a, b, y);
+}
+
+C3RT_WIDE double largest(int rows, int cols, const double* X, int stride) noexcept {
+  Largest most;
+  for (int j = 0; j < cols; ++j, X += stride) most.add(rows, X);
+  return most.value();
+}
+
+C3RT_WIDE void largest_of_columns(int rows, int cols, const double* X, int stride,
+                                  double* out) noexcept {
+  for (int j = 0; j < cols; ++j, X += stride) {
+    Largest most;
+    most.add(rows, X);
+    out[j] = most.value();
+  }
+}
+
+C3RT_WIDE void largest_of_rows(int rows, int cols, const double* X, int stride,
+                               double* out) noexcept {
+  if (rows < 4) {
+    for (int i = 0; i < rows; ++i) {
+      Largest most;
+      for (int j = 0; j < cols; ++j) most.add(1, X + static_cast<long>(j) * stride + i);
+      out[i] = most.value();
+    }
+    return;
+  }
+  for (int i = 0; i < rows; i += 4) {
+    const int at = std::min(i, rows - 4);
+    FourBits most = {0, 0, 0, 0};
+    for (int j = 0; j < cols; ++j) {
+      const FourBits bits = kSize & *reinterpret_cast<const FourBitsAnywhere*>(
+                                        X + static_cast<long>(j) * stride + at);
+      most = bits > most ? bits : most;
+    }
+    for (int m = 0; m < 4; ++m) out[at + m] = finite_or_nan(most[m]);
+  }
 }
 
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {

@@ -45,10 +45,25 @@ void subtract_transposed(int rows, int cols, const double* X, const double* y, d
 /// y −= X c, X (rows × cols), y padded.
 void subtract_columns(int rows, int cols, const double* X, const double* c, double* y) noexcept;
 
+/// y = X c and terms = |X| |c|, X (rows × cols), y and terms padded.
+void product_and_terms(int rows, int cols, const double* X, const double* c, double* y,
+                       double* terms) noexcept;
+
+/// y = X c − b, X (rows × cols) with columns `stride` apart, nothing padded.
+void product_minus(int rows, int cols, const double* X, int stride, const double* c,
+                   const double* b, double* y) noexcept;
+
+/// y = b − (a + X c) in the same way.
+void minus_product(int rows, int cols, const double* X, int stride, const double* c,
+                   const double* a, const double* b, double* y) noexcept;
+
 /// The largest |X_ij|, X (rows × cols) with columns `stride` apart, nothing padded; NaN if one is
 /// not finite.
 double largest(int rows, int cols, const double* X, int stride) noexcept;
 inline double largest(int n, const double* v) noexcept { return largest(n, 1, v, n); }
+/// The same of each column, and of each row.
+void largest_of_columns(int rows, int cols, const double* X, int stride, double* out) noexcept;
+void largest_of_rows(int rows, int cols, const double* X, int stride, double* out) noexcept;
 
 /// L⁻¹ y in place.
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept;

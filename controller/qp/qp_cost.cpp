@@ -52,15 +52,11 @@ void QpCost::aim(const Eigen::Ref<const MatrixXd>& x_desired,
 void QpCost::gradient(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
                       MatrixXd& gradient, VectorXd& gradient_N) const noexcept {
   const int n_x = sizes_.n_x, n_z = sizes_.n_z();
-  gradient.setZero();
   for (int k = 0; k < sizes_.N; ++k) {
-    const MatrixXd& H = H_[k * stride_];
-    kernels::add_columns(n_z, n_z, H.data(), n_z, z.col(k).data(), gradient.col(k).data());
+    kernels::product_minus(n_z, n_z, H_[k * stride_].data(), n_z, z.data() + k * z.outerStride(),
+                           h_.data() + k * n_z, gradient.data() + k * n_z);
   }
-  gradient -= h_;
-  gradient_N.setZero();
-  kernels::add_columns(n_x, n_x, Q_N_.data(), n_x, x_N.data(), gradient_N.data());
-  gradient_N -= h_N_;
+  kernels::product_minus(n_x, n_x, Q_N_.data(), n_x, x_N.data(), h_N_.data(), gradient_N.data());
 }
 
 QpCost::Terms QpCost::terms(const MatrixXd& gradient, const VectorXd& gradient_N) const noexcept {

@@ -121,7 +121,7 @@ double QpModel::stationarity(const VectorXd& multiplier) noexcept {
   }
   Riccati::Stationarity found = riccati_.stationarity(gradient_, gradient_N_, z_);
   found.input_scale = std::max(found.input_scale, input_scale);
-  if (!found.is_known()) return std::numeric_limits<double>::infinity();
+  if (!found.is_known) return std::numeric_limits<double>::infinity();
   return relative(found, terms, riccati_.largest_gain());
 }
 
@@ -201,7 +201,7 @@ void QpModel::move(double alpha) noexcept {
   evaluate();
 }
 
-double QpModel::relative_step() const noexcept { return qp::relative_step(sizes_, step_, z_); }
+double QpModel::relative_step() noexcept { return riccati_.relative_step(step_, z_); }
 
 void QpModel::go_to(const MatrixXd& z, const VectorXd& x_N) noexcept {
   z_ = z;

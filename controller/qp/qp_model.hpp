@@ -61,7 +61,7 @@ class QpModel {
   /// Goes α of the step. RT.
   void move(double alpha) noexcept;
   /// The last step beside the point: the largest ratio of the largest entries of x, λ and u. RT.
-  double relative_step() const noexcept;
+  double relative_step() noexcept;
   /// To a point of before. RT.
   void go_to(const Eigen::MatrixXd& z, const Eigen::VectorXd& x_N) noexcept;
 

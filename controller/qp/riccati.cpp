@@ -13,35 +13,9 @@ constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where C
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
 constexpr double kRounding = 2.2e-16;
+constexpr double kKnown = 1e-7;       // what rounding may leave open of the answer
 constexpr double kOwn = 1e-6;         // share of a gradient's own terms that counts as its scale
 constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
-
-/// y += S v for columns [first, last) of S, v starting with column `first`.
-void add_product(kernels::Columns S, int first, int last, const double* v, double* y) noexcept {
-  for (int j = first; j < last; ++j) {
-    const double factor = v[j - first];
-    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] += S.value[e] * factor;
-  }
-}
-
-/// y −= S v in the same way.
-void subtract_product(kernels::Columns S, int first, int last, const double* v,
-                      double* y) noexcept {
-  for (int j = first; j < last; ++j) {
-    const double factor = v[j - first];
-    for (int e = S.start[j]; e < S.start[j + 1]; ++e) y[S.row[e]] -= S.value[e] * factor;
-  }
-}
-
-/// y += Sᵀ v for columns [first, last) of S.
-void add_transposed_product(kernels::Columns S, int first, int last, const double* v,
-                            double* y) noexcept {
-  for (int j = first; j < last; ++j) {
-    double sum = y[j - first];
-    for (int e = S.start[j]; e < S.start[j + 1]; ++e) sum += S.value[e] * v[S.row[e]];
-    y[j - first] = sum;
-  }
-}
 
 /// X += the squares' rows [row, row + rows) and columns [column, column + columns), X with columns
 /// `ld` apart.
@@ -89,10 +63,12 @@ Riccati::Riccati(const Sizes& sizes)
       n_nu_(sizes.n_lambda + sizes.n_u),
       ld_x_(kernels::padded(sizes.n_x)),
       ld_nu_(kernels::padded(n_nu_)),
+      ld_z_(kernels::padded(sizes.n_z())),
       systems_(sizes.N),
       stages_(sizes.N) {
   const auto n_x = static_cast<std::size_t>(sizes.n_x), n_nu = static_cast<std::size_t>(n_nu_);
   const auto ld_x = static_cast<std::size_t>(ld_x_), ld_nu = static_cast<std::size_t>(ld_nu_);
+  const auto ld_z = static_cast<std::size_t>(ld_z_), N = static_cast<std::size_t>(sizes.N);
   const auto prepare = [n_x](Sparse& sparse, std::size_t columns) {
     sparse.start.assign(columns + 1, 0);
     sparse.row.assign(n_x * columns, 0);
@@ -101,6 +77,8 @@ Riccati::Riccati(const Sizes& sizes)
   for (System& system : systems_) {
     prepare(system.A, n_x);
     prepare(system.B_hat, n_nu);
+    system.next.assign(ld_x * (n_x + n_nu), 0.0);
+    system.next_transposed.assign(ld_z * n_x, 0.0);
   }
   for (Stage& stage : stages_) {
     stage.L.assign(ld_nu * n_nu, 0.0);
@@ -115,8 +93,14 @@ Riccati::Riccati(const Sizes& sizes)
   BP_.assign(ld_nu * n_x, 0.0);
   R_.assign(ld_nu * n_nu, 0.0);
   p_.assign(ld_x, 0.0);
-  p_next_ = x_ = x_next_ = p_;
+  x_ = x_next_ = p_;
   nu_.assign(ld_nu, 0.0);
+  z_.assign(ld_z, 0.0);
+  terms_ = z_;
+  pulls_.assign(ld_z * N, 0.0);
+  left_ = pulls_;
+  of_defects_.assign(N, 0.0);
+  of_states_ = of_defects_;
 }
 
 void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
@@ -140,6 +124,13 @@ void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
     column = 0;
     append(systems_[k].B_hat, column, lcs[k].D);
     append(systems_[k].B_hat, column, lcs[k].B);
+    double* next = systems_[k].next.data();
+    for (const MatrixXd* M : {&lcs[k].A, &lcs[k].D, &lcs[k].B}) {
+      for (Eigen::Index j = 0; j < M->cols(); ++j, next += ld_x_)
+        std::copy_n(M->col(j).data(), sizes_.n_x, next);
+    }
+    kernels::transpose(sizes_.n_x, sizes_.n_z(), systems_[k].next.data(),
+                       systems_[k].next_transposed.data());
     for (int e = 0; e < systems_[k].B_hat.start[n_nu_]; ++e) {
       largest_gain_ = std::max(largest_gain_, std::abs(systems_[k].B_hat.value[e]));
     }
@@ -211,35 +202,52 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares)
 
 void Riccati::defects(const Eigen::Ref<const MatrixXd>& z, const Eigen::Ref<const VectorXd>& x_N,
                       MatrixXd& defect) const noexcept {
-  const int n_x = sizes_.n_x;
+  const int n_x = sizes_.n_x, n_z = sizes_.n_z();
   for (int k = 0; k < sizes_.N; ++k) {
-    const double* z_k = z.col(k).data();
-    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
-    const double* d = lcs_[k].d.data();
-    double* out = defect.col(k).data();
-    for (int i = 0; i < n_x; ++i) out[i] = -d[i];
-    subtract_product(system(k).A.columns(), 0, n_x, z_k, out);
-    subtract_product(system(k).B_hat.columns(), 0, n_nu_, z_k + n_x, out);
-    for (int i = 0; i < n_x; ++i) out[i] += next[i];
+    const double* z_k = z.data() + k * z.outerStride();
+    const double* x_next = k + 1 < sizes_.N ? z_k + z.outerStride() : x_N.data();
+    kernels::minus_product(n_x, n_z, system(k).next.data(), ld_x_, z_k, lcs_[k].d.data(), x_next,
+                           defect.data() + k * n_x);
   }
 }
 
 double Riccati::relative_defect(const Eigen::Ref<const MatrixXd>& z,
                                 const Eigen::Ref<const VectorXd>& x_N,
                                 const MatrixXd& defect) noexcept {
-  const int n_x = sizes_.n_x;
+  const int n_x = sizes_.n_x, N = sizes_.N, stride = static_cast<int>(z.outerStride());
+  kernels::largest_of_columns(n_x, N, defect.data(), n_x, of_defects_.data());
+  kernels::largest_of_columns(n_x, N - 1, z.data() + stride, stride, of_states_.data());
+  of_states_[N - 1] = kernels::largest(n_x, x_N.data());
   double worst = 0.0;
-  for (int k = 0; k < sizes_.N; ++k) {
-    const double largest = kernels::largest(n_x, defect.col(k).data());
-    if (largest == 0.0) continue;
-    const double* next = k + 1 < sizes_.N ? z.col(k + 1).data() : x_N.data();
-    const double of_next = kernels::largest(n_x, next);
+  for (int k = 0; k < N; ++k) {
+    const double largest = of_defects_[k], of_next = of_states_[k];
     if (largest <= worst * of_next) continue;  // other terms could only make it less
+    if (largest == 0.0) continue;
     std::copy_n(lcs_[k].d.data(), n_x, x_.data());
-    add_product(system(k).A.columns(), 0, n_x, z.col(k).data(), x_.data());
+    kernels::add_columns(ld_x_, n_x, system(k).next.data(), ld_x_, z.data() + k * stride,
+                         x_.data());
     worst = larger(worst, largest / std::max(kernels::largest(n_x, x_.data()), of_next));
   }
   return worst;
+}
+
+double Riccati::relative_step(const MatrixXd& step, const Eigen::Ref<const MatrixXd>& z) noexcept {
+  const int n_z = sizes_.n_z(), stride = static_cast<int>(z.outerStride());
+  kernels::largest_of_rows(n_z, sizes_.N, z.data(), stride, z_.data());
+  kernels::largest_of_rows(n_z, sizes_.N, step.data(), n_z, terms_.data());
+  double ratio = 0.0;
+  const auto compare = [&](int first, int count) {
+    double size = 0.0, change = 0.0;
+    for (int i = first; i < first + count; ++i) {
+      size = larger(size, z_[i]);
+      change = larger(change, terms_[i]);
+    }
+    if (change > ratio * size) ratio = change / size;
+  };
+  compare(0, sizes_.n_x);
+  compare(sizes_.n_x, sizes_.n_lambda);
+  compare(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
+  return ratio;
 }
 
 Riccati::Stationarity Riccati::stationarity(const MatrixXd& gradient, const VectorXd& gradient_N,
@@ -254,13 +262,8 @@ Riccati::Stationarity Riccati::pull(const MatrixXd& gradient, const VectorXd& gr
 
 Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gradient_N,
                                     const MatrixXd* defect, const double* z) noexcept {
-  const int n_x = sizes_.n_x;
+  const int n_x = sizes_.n_x, n_z = sizes_.n_z();
   Stationarity found;
-  const int n_z = sizes_.n_z(), behind = sizes_.N - 1;  // the stages behind the first
-  const double* second = gradient.data() + n_z;
-  found.input_scale = larger(kernels::largest(n_nu_ - first(0), gradient.data() + n_x + first(0)),
-                             kernels::largest(n_nu_, behind, second + n_x, n_z));
-  found.state_scale = kernels::largest(n_x, behind, second, n_z);
   std::copy_n(gradient_N.data(), n_x, p_.data());
   for (int k = sizes_.N - 1; k >= 0; --k) {
     const Stage& stage = stages_[k];
@@ -269,33 +272,25 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     if (defect != nullptr) {
       for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
     }
-    const kernels::Columns B_hat = system(k).B_hat.columns();
-    double unknown[2] = {0.0, 0.0};                        // of λ, of u
-    double largest = 0.0, largest_term = 0.0, zero = 0.0;  // 0 v is 0, or NaN
+    double* pull = &pulls_[k * ld_z_];
+    double* left = &left_[k * ld_z_];
+    kernels::product_and_terms(n_z, n_x, system(k).next_transposed.data(), p_.data(), pull,
+                               terms_.data());
+    double unknown[2] = {0.0, 0.0};  // of λ, of u
     for (int i = 0; i < n; ++i) {
-      double sum = 0.0, terms = 0.0;
-      for (int e = B_hat.start[begin + i]; e < B_hat.start[begin + i + 1]; ++e) {
-        const double term = B_hat.value[e] * p_[B_hat.row[e]];
-        sum += term;
-        terms += std::abs(term);
-      }
-      largest_term = std::max(largest_term, std::abs(sum));
-      nu_[i] = sum + g[n_x + begin + i];
-      largest = std::max(largest, std::abs(nu_[i]));
-      zero += 0.0 * nu_[i];
+      const int row = n_x + begin + i;
+      left[row] = nu_[i] = pull[row] + g[row];
       // an entry of R̂⁻¹ is at least this
       double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
-      kind = std::max(kind, terms * stage.L_inverse[i] * stage.L_inverse[i]);
+      kind = std::max(kind, terms_[row] * stage.L_inverse[i] * stage.L_inverse[i]);
     }
     std::fill(nu_.begin() + n, nu_.end(), 0.0);
-    found.input_scale = larger(found.input_scale, largest_term);
-    found.input = larger(found.input, largest + zero);
     if (z != nullptr) {
       const double* nu = z + k * n_z + n_x;
       const auto compare = [&found](double of_kind, int size, const double* values) {
-        if (kRounding * of_kind <= found.unknown) return;  // however small the values are
-        found.unknown = std::max(
-            found.unknown, kRounding * of_kind / std::max(1.0, kernels::largest(size, values)));
+        if (kRounding * of_kind <= kKnown) return;  // however small the values are
+        const double largest = std::max(1.0, kernels::largest(size, values));
+        if (!(kRounding * of_kind / largest <= kKnown)) found.is_known = false;
       };
       compare(unknown[0], sizes_.n_lambda, nu);
       compare(unknown[1], sizes_.n_u, nu + sizes_.n_lambda);
@@ -304,18 +299,29 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     }
     if (k == 0) break;
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
-    std::fill(p_next_.begin(), p_next_.end(), 0.0);
-    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
-    found.state_scale = larger(found.state_scale, kernels::largest(n_x, p_next_.data()));
     std::fill(x_.begin(), x_.end(), 0.0);
     kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
-    found.state = larger(found.state, kernels::largest(n_x, x_.data()));
-    for (int i = 0; i < n_x; ++i) p_next_[i] += g[i] + x_[i];
+    for (int i = 0; i < n_x; ++i) {
+      left[i] = x_[i];
+      p_[i] = pull[i] + (g[i] + x_[i]);
+    }
     if (z == nullptr) {
       for (int i = 0; i < n_x; ++i) found.state_sum += std::abs(x_[i]);
     }
-    p_.swap(p_next_);
   }
+  // of the inputs of all stages, and of the states of those behind the first
+  const auto of_inputs = [&](const double* v, int ld) {
+    const int fixed = first(0);
+    return larger(kernels::largest(n_nu_ - fixed, v + n_x + fixed),
+                  kernels::largest(n_nu_, sizes_.N - 1, v + ld + n_x, ld));
+  };
+  const auto of_states = [&](const double* v, int ld) {
+    return kernels::largest(n_x, sizes_.N - 1, v + ld, ld);
+  };
+  found.input_scale = larger(of_inputs(gradient.data(), n_z), of_inputs(pulls_.data(), ld_z_));
+  found.input = of_inputs(left_.data(), ld_z_);
+  found.state_scale = larger(of_states(gradient.data(), n_z), of_states(pulls_.data(), ld_z_));
+  found.state = of_states(left_.data(), ld_z_);
   return found;
 }
 
@@ -328,17 +334,16 @@ double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept 
   for (int j = std::min(k, sizes_.N - 1); j >= 0; --j) {
     const Stage& stage = stages_[j];
     const int begin = first(j), n = n_nu_ - begin;
+    std::fill(z_.begin(), z_.end(), 0.0);
+    if (j == k) std::copy_n(a.data(), sizes_.n_z(), z_.data());
+    kernels::add_columns(ld_z_, n_x, system(j).next_transposed.data(), ld_z_, p_.data(), z_.data());
     std::fill(nu_.begin(), nu_.end(), 0.0);
-    if (j == k) std::copy_n(a.data() + n_x + begin, n, nu_.data());
-    add_transposed_product(system(j).B_hat.columns(), begin, n_nu_, p_.data(), nu_.data());
+    std::copy_n(&z_[n_x + begin], n, nu_.data());
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
     for (int i = 0; i < n; ++i) sum += nu_[i] * nu_[i];
     if (j == 0 || (sum > 0.0 && ++stages >= kComplianceStages)) break;
-    std::fill(p_next_.begin(), p_next_.end(), 0.0);
-    if (j == k) std::copy_n(a.data(), n_x, p_next_.data());
-    add_transposed_product(system(j).A.columns(), 0, n_x, p_.data(), p_next_.data());
-    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), p_next_.data());
-    p_.swap(p_next_);
+    std::copy_n(z_.data(), n_x, p_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), p_.data());
   }
   return sum;
 }
@@ -353,14 +358,13 @@ void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, const M
     const int begin = first(k), n = n_nu_ - begin;
     // the cost-to-go is met at the state that the defect shifts
     kernels::subtract_columns(n_x, n_x, stage.P_next.data(), defect.col(k).data(), p_.data());
-    std::copy_n(g + n_x + begin, n, stage.kappa.data());
-    add_transposed_product(system(k).B_hat.columns(), begin, n_nu_, p_.data(), stage.kappa.data());
+    std::copy_n(g, sizes_.n_z(), z_.data());
+    kernels::add_columns(ld_z_, n_x, system(k).next_transposed.data(), ld_z_, p_.data(), z_.data());
+    std::copy_n(&z_[n_x + begin], n, stage.kappa.data());
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), stage.kappa.data());
     if (k == 0) break;
-    std::copy_n(g, n_x, p_next_.data());
-    add_transposed_product(system(k).A.columns(), 0, n_x, p_.data(), p_next_.data());
-    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), stage.kappa.data(), p_next_.data());
-    p_.swap(p_next_);
+    std::copy_n(z_.data(), n_x, p_.data());
+    kernels::subtract_columns(n_x, n_nu_, stage.T.data(), stage.kappa.data(), p_.data());
   }
   std::fill(x_.begin(), x_.end(), 0.0);
   for (int k = 0; k < sizes_.N; ++k) {
@@ -374,8 +378,7 @@ void Riccati::step(const MatrixXd& gradient, const VectorXd& gradient_N, const M
     std::fill_n(z_k + n_x, begin, 0.0);
     std::copy_n(nu_.data(), n, z_k + n_x + begin);
     for (int i = 0; i < n_x; ++i) x_next_[i] = -defect(i, k);
-    add_product(system(k).A.columns(), 0, n_x, x_.data(), x_next_.data());
-    add_product(system(k).B_hat.columns(), begin, n_nu_, nu_.data(), x_next_.data());
+    kernels::add_columns(ld_x_, sizes_.n_z(), system(k).next.data(), ld_x_, z_k, x_next_.data());
     x_.swap(x_next_);
   }
   std::copy_n(x_.data(), n_x, step_N.data());
@@ -388,22 +391,6 @@ double relative(const Riccati::Stationarity& found, const QpCost::Terms& terms,
   const double state_scale = std::max(found.state_scale, terms.state);
   const double input = found.input == 0.0 ? 0.0 : found.input / input_scale;
   return larger(input, found.state == 0.0 ? 0.0 : found.state / state_scale);
-}
-
-double relative_step(const Sizes& sizes, const Eigen::Ref<const MatrixXd>& step,
-                     const Eigen::Ref<const MatrixXd>& z) noexcept {
-  double ratio = 0.0;
-  const auto compare = [&](int first, int count) {
-    const auto largest = [&](const Eigen::Ref<const MatrixXd>& M) {
-      return kernels::largest(count, sizes.N, M.data() + first, static_cast<int>(M.outerStride()));
-    };
-    const double size = largest(z), change = largest(step);
-    if (change > ratio * size) ratio = change / size;
-  };
-  compare(0, sizes.n_x);
-  compare(sizes.n_x, sizes.n_lambda);
-  compare(sizes.n_x + sizes.n_lambda, sizes.n_u);
-  return ratio;
 }
 
 }  // namespace c3rt::qp

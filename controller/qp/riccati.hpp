@@ -44,8 +44,9 @@ class Squares {
 /// with N. States are variables of their own: a point may miss the dynamics by its defects, which a
 /// step takes out, so that nothing is ever rolled out with the open loop, whose rounding would grow
 /// as ρ(A)^N. `factor` runs it for the Hessians once, `step` uses it for any gradient. Zeros of A
-/// and B̂ are found in `start` and never multiplied; x_0 does not move, so stage 0 takes part with
-/// its ν only, and where λ_0 is fixed with its u only. After the constructor nothing allocates.
+/// and B̂ are found in `start` and never multiplied with matrices; x_0 does not move, so stage 0
+/// takes part with its ν only, and where λ_0 is fixed with its u only. After the constructor
+/// nothing allocates.
 class Riccati {
  public:
   explicit Riccati(const Sizes& sizes);
@@ -77,6 +78,11 @@ class Riccati {
                          const Eigen::Ref<const Eigen::VectorXd>& x_N,
                          const Eigen::MatrixXd& defect) noexcept;
 
+  /// A step beside the point z (n_z × N each): the largest ratio of the largest entries of x, of λ
+  /// and of u. RT.
+  double relative_step(const Eigen::MatrixXd& step,
+                       const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
+
   /// How far a gradient in z and x_N is from zero once multipliers p_1 … p_N of the dynamics are
   /// added: g_ν + B̂ᵀ p_{k+1} in the inputs, g_x + Aᵀ p_{k+1} − p_k in the states. The multipliers
   /// come from the last factorisation's recursion, so that they are a closed loop's: those that
@@ -86,17 +92,15 @@ class Riccati {
     double input = 0.0, state = 0.0;              // largest component by size; NaN if one is
     double input_scale = 0.0, state_scale = 0.0;  // the largest term that these are made of
     double input_sum = 0.0, state_sum = 0.0;      // of all components by size
-    double unknown = 0.0;  // what rounding leaves open of λ and u, at least,
-                           // beside 1 and the largest of its stage
-    /// Whether that leaves the digits of an answer that is called solved.
-    bool is_known() const noexcept { return unknown <= kKnown; }
-    static constexpr double kKnown = 1e-7;
+    // false where rounding alone leaves λ or u fewer digits, beside 1 and the largest of its stage,
+    // than an answer has that is called solved
+    bool is_known = true;
     double defect = 0.0;  // Σ p_{k+1}ᵀ defect_k
   };
   /// RT.
   /// @param gradient    of stage k in column k (n_z × N)
   /// @param gradient_N  (n_x)
-  /// @param z           (n_z × N) where the gradient was taken, only for Stationarity::unknown
+  /// @param z           (n_z × N) where the gradient was taken, only for Stationarity::is_known
   Stationarity stationarity(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
                             const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
   /// The same of a gradient that was taken nowhere. RT.
@@ -124,6 +128,8 @@ class Riccati {
   };
   struct System {
     Sparse A, B_hat;
+    std::vector<double> next;             // [A B̂], x_{k+1} = next z_k + d    (n_x × n_z)
+    std::vector<double> next_transposed;  // (n_z × n_x)
   };
   struct Stage {
     std::vector<double> L, L_inverse;  // L Lᵀ = R̂ = H_νν + B̂ᵀ P B̂, and 1/L_jj
@@ -142,24 +148,21 @@ class Riccati {
 
   Sizes sizes_;
   int n_nu_;
-  int ld_x_, ld_nu_;  // padded
+  int ld_x_, ld_nu_, ld_z_;  // padded
   Horizon lcs_{nullptr, 0};
   bool lambda_0_fixed_ = false;
   double largest_gain_ = 0.0;
   std::vector<System> systems_;
   std::vector<Stage> stages_;
   std::vector<double> PA_, AP_, PB_, BP_, R_;
-  std::vector<double> p_, p_next_, x_, x_next_, nu_;
+  std::vector<double> p_, x_, x_next_, nu_, z_, terms_;
+  std::vector<double> of_defects_, of_states_;  // largest of each stage    (N)
+  std::vector<double> pulls_, left_;            // of a gradient, see `look`    (n_z × N)
 };
 
 /// Stationarity beside its terms, of which `terms` are those of the gradient.
 /// @param gain  largest entry of B̂
 double relative(const Riccati::Stationarity& found, const QpCost::Terms& terms,
                 double gain) noexcept;
-
-/// A step beside the point z (n_z × N each): the largest ratio of the largest entries of x, of λ
-/// and of u. RT.
-double relative_step(const Sizes& sizes, const Eigen::Ref<const Eigen::MatrixXd>& step,
-                     const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
 
 }  // namespace c3rt::qp

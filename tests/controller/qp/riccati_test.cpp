@@ -151,7 +151,7 @@ TEST_CASE("Riccati: stationarity is what the multipliers of the dynamics leave o
     const Riccati::Stationarity none = riccati.stationarity(left, left_N, at);
     CHECK(none.input <= 1e-12 * none.input_scale);
     CHECK(none.state <= 1e-12 * none.state_scale);
-    CHECK(none.unknown < 1e-12);
+    CHECK(none.is_known);
     CHECK(found.input > 1e-3 * found.input_scale);
   }
 }
@@ -291,6 +291,31 @@ TEST_CASE(
     for (int j = 0; j < n; ++j) plain.head(rows) += c[j] * X.col(j).head(rows);
     kernels::add_columns(rows, n, X.data(), ld, c.data(), got.data());
     CHECK(got == plain);
+
+    const VectorXd a = random.vector(rows), b = random.vector(rows);
+    VectorXd sum = VectorXd::Zero(rows), remainder = a, result(rows);
+    for (int j = 0; j < n; ++j) {
+      sum += c[j] * X.col(j).head(rows);
+      remainder += c[j] * X.col(j).head(rows);
+    }
+    kernels::product_minus(rows, n, X.data(), ld, c.data(), b.data(), result.data());
+    CHECK(result == sum - b);
+    kernels::minus_product(rows, n, X.data(), ld, c.data(), a.data(), b.data(), result.data());
+    CHECK(result == b - remainder);
+    kernels::largest_of_rows(rows, n, X.data(), ld, result.data());
+    CHECK(result == X.topRows(rows).cwiseAbs().rowwise().maxCoeff());
+    VectorXd of_columns(n);
+    kernels::largest_of_columns(rows, n, X.data(), ld, of_columns.data());
+    CHECK(of_columns == X.cwiseAbs().colwise().maxCoeff().transpose());
+
+    VectorXd plain_terms = plain = VectorXd::Zero(ld), got_terms(ld);
+    for (int j = 0; j < n; ++j) {
+      plain += c[j] * X.col(j);
+      plain_terms += (c[j] * X.col(j)).cwiseAbs();
+    }
+    kernels::product_and_terms(rows, n, X.data(), c.data(), got.data(), got_terms.data());
+    CHECK(got == plain);
+    CHECK(got_terms == plain_terms);
 
     MatrixXd plain_Y = X, got_Y = X;
     for (int j = 0; j < n; ++j) {
