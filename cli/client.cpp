@@ -135,7 +135,7 @@ std::optional<config::Scenario> running_scenario(const Seat& seat) {
 wire::FaultScope fault_scope(const config::Scenario& scenario) {
   wire::FaultScope scope;
   for (const plant::BallParameters& ball : scenario.plant.world.balls)
-    scope.ball_masses.push_back(ball.mass);
+    scope.object_masses.push_back(ball.mass);
   const bool cameras = scenario.vision.source == vision::SourceKind::kCameras;
   scope.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
   return scope;

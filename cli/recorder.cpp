@@ -28,8 +28,8 @@ SceneRow row_of(const wire::Scene& sample) {
   SceneRow row;
   row.time_ns = sample.header.time_ns;
   row.exposure = sample.exposure;
-  row.ball_count = std::min(static_cast<int>(sample.object_count), kMaxObjects);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(row.ball_count); ++i)
+  row.object_count = std::min(static_cast<int>(sample.object_count), kMaxObjects);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(row.object_count); ++i)
     row.p_WB[i] = vector(sample.objects[i].p_WB_m);
   return row;
 }
@@ -269,7 +269,7 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
     live_.time = seconds(series_.scene.back().time_ns - start_ns(series_));
     const SceneRow& row = series_.scene.back();
     const double elapsed = topics.task_start ? seconds(row.time_ns - *topics.task_start) : 0.0;
-    live_.ball_error = worst_error(goal_.task, elapsed, row);
+    live_.object_error = worst_error(goal_.task, elapsed, row);
   }
   const auto& plans = topics.recorded.of<wire::Plan>();
   if (plans.any) live_.plan = plans.newest;

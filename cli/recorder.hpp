@@ -31,7 +31,7 @@ struct Live {
   bool rolling = false;  // the task has begun
   double turns = 0.0;
   int loops = 0;
-  double ball_error = kNone;  // newest distance to the path, of the worst ball [m]
+  double object_error = kNone;  // newest distance to the path, of the worst object [m]
   std::optional<wire::Plan> plan;
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
   std::uint64_t steps = 0;                  // 1 kHz cycles of the plant so far

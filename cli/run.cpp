@@ -103,7 +103,7 @@ int run(const LaunchSettings& settings) {
   fmt::print("results in {}\n", launch.out().string());
   std::fflush(stdout);
 
-  // of a task that is done once every ball counts
+  // of a task that is done once every object counts
   const int course_goal =
       task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.balls.size());
   launch.require_free_bus();

@@ -110,14 +110,14 @@ void LiveTable::draw(const Live& live) {
   drawn_steps_ = live.steps;
 
   const Planning plan = planning(live);
-  const std::string error = shown(live.ball_error * 1e3, 1);
+  const std::string error = shown(live.object_error * 1e3, 1);
   std::string text;
   if (terminal_) {
     text = fmt::format("{}\n", title_);
     text += fmt::format("  time {:>7.1f} s of {:g}   x {} real time\n", live.time, duration_,
                         shown(factor_, 2));
     text += fmt::format(
-        "  {} {:>6.2f} of {}   ball {:>5} mm from the path   phase {:<8}  plan {:<9}  solve "
+        "  {} {:>6.2f} of {}   object {:>5} mm from the path   phase {:<8}  plan {:<9}  solve "
         "{} ms\n",
         unit_, live.turns, goal_, error, plan.phase, plan.status, plan.solve);
     text += service_table(live.services);
@@ -144,7 +144,7 @@ void LiveTable::draw(const Live& live) {
       missed += counter(*status, "missed_cycles");
     }
     text = fmt::format(
-        "[{:7.1f} s] {} {:.2f}  ball {} mm  {}  plan {}  solve {} ms |{} Hz | missed {} | x "
+        "[{:7.1f} s] {} {:.2f}  object {} mm  {}  plan {}  solve {} ms |{} Hz | missed {} | x "
         "{}\n",
         live.time, unit_, live.turns, error, plan.phase, plan.status, plan.solve, rates, missed,
         shown(factor_, 2));

@@ -40,16 +40,16 @@ bool has(Process process, c3rt_v2_FaultKind kind) {
 std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
   const double* impulse = fault.value;
   const double size = std::hypot(std::hypot(impulse[0], impulse[1]), impulse[2]);
-  const int balls =
-      scope.ball_masses.empty() ? c3rt_v2_MAX_OBJECTS : static_cast<int>(scope.ball_masses.size());
-  if (fault.index < 0 || fault.index >= balls)
-    return text("expected a ball from 0 to %d, got %d", balls - 1, static_cast<int>(fault.index));
+  const int objects = scope.object_masses.empty() ? c3rt_v2_MAX_OBJECTS
+                                                  : static_cast<int>(scope.object_masses.size());
+  if (fault.index < 0 || fault.index >= objects)
+    return text("expected a ball from 0 to %d, got %d", objects - 1, static_cast<int>(fault.index));
   if (!std::isfinite(impulse[0]) || !std::isfinite(impulse[1]) || !std::isfinite(impulse[2])) {
     return text("expected an impulse of finite numbers, got (%g, %g, %g) N s", impulse[0],
                 impulse[1], impulse[2]);
   }
-  if (scope.ball_masses.empty()) return {};
-  const double mass = scope.ball_masses[static_cast<std::size_t>(fault.index)];
+  if (scope.object_masses.empty()) return {};
+  const double mass = scope.object_masses[static_cast<std::size_t>(fault.index)];
   if (size <= mass * kHardestPush) return {};
   return text("expected an impulse of at most %g N s, which gives ball %d of %g kg %g m/s, got %g",
               mass * kHardestPush, static_cast<int>(fault.index), mass, kHardestPush, size);

@@ -13,12 +13,12 @@ namespace c3rt::wire {
 /// What the scenario has that a fault can be about. Empty where that is not known: then only what
 /// no scenario could do is refused.
 struct FaultScope {
-  std::vector<double> ball_masses;  // [kg]
-  int cameras = -1;                 // negative: not known
+  std::vector<double> object_masses;  // [kg]
+  int cameras = -1;                   // negative: not known
 };
 
 constexpr double kLongestFault = 3600.0;  // [s]
-constexpr double kHardestPush = 3.0;      // of a ball's speed [m/s]
+constexpr double kHardestPush = 3.0;      // of an object's speed [m/s]
 
 /// Whether the process has this fault and the numbers are ones that it can do.
 /// @return what was expected and what came; empty if nothing is wrong

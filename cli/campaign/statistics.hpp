@@ -30,8 +30,8 @@ struct Distribution {
 /// @param values at least one, all finite
 Distribution distribution(const std::vector<double>& values, bool higher_is_better);
 
-/// Every number of a report by its path ("ball.0.rms_error_m"): of a list of numbers its median and
-/// worst, of the reflexes how many. The criteria are not among them.
+/// Every number of a report by its path ("objects.0.rms_error_m"): of a list of numbers its median
+/// and worst, of the reflexes how many. The criteria are not among them.
 std::vector<std::pair<std::string, double>> figures(const ordered_json& report);
 
 /// Whether more of a figure of a report is better.

@@ -6,17 +6,17 @@
 namespace c3rt::cli {
 
 void Course::add(double elapsed, const SceneRow& row) {
-  if (row.ball_count == 0) return;
+  if (row.object_count == 0) return;
   bodies_.clear();
-  for (int i = 0; i < row.ball_count; ++i)
+  for (int i = 0; i < row.object_count; ++i)
     bodies_.emplace_back(row.p_WB[static_cast<std::size_t>(i)].head<2>());
   progress_->add(elapsed, bodies_);
 }
 
 double worst_error(const task::Task& task, double elapsed, const SceneRow& row) {
   double worst = kNone;
-  for (int ball = 0; ball < row.ball_count; ++ball) {
-    const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(ball)];
+  for (int object = 0; object < row.object_count; ++object) {
+    const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(object)];
     worst = std::fmax(worst, task.error(elapsed, p_WB.head<2>()));
   }
   return worst;
@@ -29,14 +29,14 @@ std::optional<std::int64_t> task_start_ns(const Series& series) {
   return first->state_ns;
 }
 
-PathErrors path_errors(const Series& series, const task::Task& task, int ball) {
+PathErrors path_errors(const Series& series, const task::Task& task, int object) {
   PathErrors errors;
   const auto start = task_start_ns(series);
   if (!start) return errors;
   for (const SceneRow& row : series.scene) {
-    if (row.time_ns < *start || ball >= row.ball_count) continue;
+    if (row.time_ns < *start || object >= row.object_count) continue;
     const double elapsed = static_cast<double>(row.time_ns - *start) * 1e-9;
-    const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(ball)];
+    const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(object)];
     errors.time.push_back(elapsed);
     errors.error.push_back(task.error(elapsed, p_WB.head<2>()));
   }

@@ -1,5 +1,5 @@
 #pragma once
-// How far a run has come with its task, and how far its balls are from where they should be.
+// How far a run has come with its task, and how far its objects are from where they should be.
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,18 +27,18 @@ class Course {
   std::vector<Eigen::Vector2d> bodies_;
 };
 
-/// The largest distance of a ball to where it should be [m]; kNone without balls.
+/// The largest distance of an object to where it should be [m]; kNone without objects.
 double worst_error(const task::Task& task, double elapsed, const SceneRow& row);
 
 /// When the task began: the state that the first plan with C3 was made from, which is where a
 /// path's clock starts [ns].
 std::optional<std::int64_t> task_start_ns(const Series& series);
 
-/// How far a ball is from where it should be, from the task's begin on.
+/// How far an object is from where it should be, from the task's begin on.
 struct PathErrors {
   std::vector<double> time;   // since the task began [s]
   std::vector<double> error;  // Task::error [m]
 };
-PathErrors path_errors(const Series& series, const task::Task& task, int ball);
+PathErrors path_errors(const Series& series, const task::Task& task, int object);
 
 }  // namespace c3rt::cli

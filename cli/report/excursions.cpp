@@ -16,7 +16,7 @@ double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_n
 
 struct Row {
   double time;   // since the recording's start [s]
-  double error;  // of the worst ball [m]
+  double error;  // of the worst object [m]
 };
 
 std::vector<Row> judged_rows(const Series& series, const task::Task& task, double judged_from) {
@@ -25,7 +25,7 @@ std::vector<Row> judged_rows(const Series& series, const task::Task& task, doubl
   if (!task_start) return rows;
   for (const SceneRow& row : series.scene) {
     const double elapsed = seconds(row.time_ns - *task_start);
-    if (elapsed >= judged_from && row.ball_count > 0)
+    if (elapsed >= judged_from && row.object_count > 0)
       rows.push_back({seconds(row.time_ns - start_ns(series)), worst_error(task, elapsed, row)});
   }
   return rows;

@@ -1,5 +1,5 @@
 #pragma once
-// When a ball was out of its band, for how long and how far; what became of each push.
+// When an object was out of its band, for how long and how far; what became of each push.
 #include <limits>
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace c3rt::cli {
 
-/// A stretch of time in which the worst ball was farther than 2 cm from where it should be.
+/// A stretch of time in which the worst object was farther than 2 cm from where it should be.
 struct Excursion {
   double start;     // since the recording's start [s]
   double duration;  // until it was back, or until the recording's end [s]

@@ -16,10 +16,10 @@ constexpr double kNarrowBand = 0.01;                   // [m]
 
 using base::seconds;
 
-/// Figures of one ball from `judged_from` seconds after the task began; each row holds until the
+/// Figures of one object from `judged_from` seconds after the task began; each row holds until the
 /// next.
-BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
-                         std::int64_t start_ns, double judged_from) {
+ObjectFigures object_figures(const Series& series, const task::Task& task, int object,
+                             std::int64_t start_ns, double judged_from) {
   struct Weighted {
     double error;
     double duration;
@@ -29,8 +29,8 @@ BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
   for (std::size_t i = 0; i + 1 < series.scene.size(); ++i) {
     const SceneRow& row = series.scene[i];
     const double elapsed = seconds(row.time_ns - start_ns);
-    if (!(elapsed >= judged_from) || ball >= row.ball_count) continue;
-    const double error = task.error(elapsed, row.p_WB[static_cast<std::size_t>(ball)].head<2>());
+    if (!(elapsed >= judged_from) || object >= row.object_count) continue;
+    const double error = task.error(elapsed, row.p_WB[static_cast<std::size_t>(object)].head<2>());
     const double duration = seconds(series.scene[i + 1].time_ns - row.time_ns);
     rows.push_back({error, duration});
     total += duration;
@@ -38,7 +38,7 @@ BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
     wide += error <= kBand ? duration : 0.0;
     narrow += error <= kNarrowBand ? duration : 0.0;
   }
-  BallFigures figures;
+  ObjectFigures figures;
   if (total <= 0.0) return figures;
   std::sort(rows.begin(), rows.end(),
             [](const Weighted& a, const Weighted& b) { return a.error < b.error; });
@@ -57,12 +57,12 @@ BallFigures ball_figures(const Series& series, const task::Task& task, int ball,
   return figures;
 }
 
-/// When and where one ball arrived, and where it ended up.
-void add_arrival(const Series& series, const task::Task& task, int ball, std::int64_t start_ns,
-                 BallFigures& figures) {
+/// When and where one object arrived, and where it ended up.
+void add_arrival(const Series& series, const task::Task& task, int object, std::int64_t start_ns,
+                 ObjectFigures& figures) {
   for (const SceneRow& row : series.scene) {
-    if (row.time_ns < start_ns || ball >= row.ball_count) continue;
-    const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(ball)].head<2>();
+    if (row.time_ns < start_ns || object >= row.object_count) continue;
+    const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(object)].head<2>();
     figures.end_error = task.error(0.0, at);
     if (std::isnan(figures.arrived_after) && task.arrived(at).value_or(false)) {
       figures.arrived_after = seconds(row.time_ns - start_ns);
@@ -71,22 +71,22 @@ void add_arrival(const Series& series, const task::Task& task, int ball, std::in
   }
 }
 
-/// The largest of a figure over the balls; kNone where one ball has none.
-double largest(const std::vector<BallFigures>& balls, double BallFigures::*figure) {
-  double result = balls.empty() ? kNone : balls.front().*figure;
-  for (const BallFigures& ball : balls) {
-    if (!(result >= ball.*figure)) result = std::isnan(result) ? kNone : ball.*figure;
+/// The largest of a figure over the objects; kNone where one object has none.
+double largest(const std::vector<ObjectFigures>& objects, double ObjectFigures::*figure) {
+  double result = objects.empty() ? kNone : objects.front().*figure;
+  for (const ObjectFigures& object : objects) {
+    if (!(result >= object.*figure)) result = std::isnan(result) ? kNone : object.*figure;
   }
   return result;
 }
 
-/// The worst of each figure over the balls; kNone where one ball has none.
-BallFigures worst_figures(const Series& series, const task::Task& task, int balls,
-                          std::int64_t start_ns, double judged_from) {
-  if (balls == 0) return {};
-  BallFigures worst = ball_figures(series, task, 0, start_ns, judged_from);
-  for (int ball = 1; ball < balls; ++ball) {
-    const BallFigures figures = ball_figures(series, task, ball, start_ns, judged_from);
+/// The worst of each figure over the objects; kNone where one object has none.
+ObjectFigures worst_figures(const Series& series, const task::Task& task, int objects,
+                            std::int64_t start_ns, double judged_from) {
+  if (objects == 0) return {};
+  ObjectFigures worst = object_figures(series, task, 0, start_ns, judged_from);
+  for (int object = 1; object < objects; ++object) {
+    const ObjectFigures figures = object_figures(series, task, object, start_ns, judged_from);
     worst.rms_error = std::max(worst.rms_error, figures.rms_error);
     worst.p95_error = std::max(worst.p95_error, figures.p95_error);
     worst.max_error = std::max(worst.max_error, figures.max_error);
@@ -103,18 +103,19 @@ double rate(const std::vector<Row>& rows) {
   return static_cast<double>(rows.size() - 1) / seconds(rows.back().time_ns - rows.front().time_ns);
 }
 
-/// True position of a ball at time_ns, linear between the rows around it; nothing outside or over a
-/// gap.
-std::optional<Eigen::Vector3d> truth(const Series& series, int ball, std::int64_t time_ns) {
+/// True position of an object at time_ns, linear between the rows around it; nothing outside or
+/// over a gap.
+std::optional<Eigen::Vector3d> truth(const Series& series, int object, std::int64_t time_ns) {
   const auto after =
       std::lower_bound(series.scene.begin(), series.scene.end(), time_ns,
                        [](const SceneRow& row, std::int64_t t) { return row.time_ns < t; });
-  const auto index = static_cast<std::size_t>(ball);
-  if (after == series.scene.end() || ball < 0 || ball >= after->ball_count) return std::nullopt;
+  const auto index = static_cast<std::size_t>(object);
+  if (after == series.scene.end() || object < 0 || object >= after->object_count)
+    return std::nullopt;
   if (after->time_ns == time_ns) return after->p_WB[index];
   if (after == series.scene.begin()) return std::nullopt;
   const auto before = std::prev(after);
-  if (after->time_ns - before->time_ns > kLargestSceneGap || ball >= before->ball_count)
+  if (after->time_ns - before->time_ns > kLargestSceneGap || object >= before->object_count)
     return std::nullopt;
   const double share =
       seconds(time_ns - before->time_ns) / seconds(after->time_ns - before->time_ns);
@@ -131,16 +132,16 @@ void add_vision(const Series& series, Figures& figures) {
     if (!row.valid) continue;
     valid.push_back(row);
     cameras += row.sensors_used;
-    if (const auto p_WB = truth(series, row.ball, row.exposure_ns)) {
+    if (const auto p_WB = truth(series, row.object, row.exposure_ns)) {
       errors.push_back((row.p_measured - *p_WB).norm());
     }
   }
   figures.vision_error = spread(std::move(errors));
   if (series.estimate.empty()) return;
   if (!valid.empty()) figures.cameras_used_mean = cameras / static_cast<double>(valid.size());
-  // one estimate per exposure and ball: the rate is that of the first ball
+  // one estimate per exposure and object: the rate is that of the first object
   valid.erase(std::remove_if(valid.begin(), valid.end(),
-                             [](const EstimateRow& row) { return row.ball != 0; }),
+                             [](const EstimateRow& row) { return row.object != 0; }),
               valid.end());
   figures.vision_rate = rate(valid);
   const std::int64_t first = series.estimate.front().exposure_ns,
@@ -158,25 +159,26 @@ void add_course(const Series& series, const task::Task& task,
   if (!start_ns) return;
   figures.task_start = seconds(*start_ns - cli::start_ns(series));
   Course course(task);
-  int balls = 0;
+  int objects = 0;
   for (const SceneRow& row : series.scene) {
-    balls = std::max(balls, row.ball_count);
+    objects = std::max(objects, row.object_count);
     if (row.time_ns >= *start_ns) course.add(seconds(row.time_ns - *start_ns), row);
   }
   figures.loops_completed = course.progress().completed();
   figures.loop_times = course.progress().times();
   figures.turns = course.progress().amount();
-  for (int ball = 0; ball < balls; ++ball)
-    figures.balls.push_back(ball_figures(series, task, ball, *start_ns, 0.0));
+  for (int object = 0; object < objects; ++object)
+    figures.objects.push_back(object_figures(series, task, object, *start_ns, 0.0));
   if (task.arrived(task.middle())) {
-    for (int ball = 0; ball < balls; ++ball)
-      add_arrival(series, task, ball, *start_ns, figures.balls[static_cast<std::size_t>(ball)]);
+    for (int object = 0; object < objects; ++object)
+      add_arrival(series, task, object, *start_ns,
+                  figures.objects[static_cast<std::size_t>(object)]);
   }
   const double from = course.progress().judged_from();
-  figures.judged = worst_figures(series, task, balls, *start_ns, from);
+  figures.judged = worst_figures(series, task, objects, *start_ns, from);
   figures.out_of_band = excursion_figures(series, task, from, pushes);
   for (const auto& [name, reading] : task.readings())
-    figures.readings.emplace_back(name, worst_figures(series, reading, balls, *start_ns, from));
+    figures.readings.emplace_back(name, worst_figures(series, reading, objects, *start_ns, from));
 }
 
 void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
@@ -199,8 +201,9 @@ void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
     if (name == "path_error_p95_m") return figures.judged.p95_error;
     if (name == "path_error_max_m") return figures.judged.max_error;
     if (name == "balls_arrived") return figures.unit == "balls" ? figures.turns : kNone;
-    if (name == "arrival_error_max_m") return largest(figures.balls, &BallFigures::arrival_error);
-    if (name == "end_error_max_m") return largest(figures.balls, &BallFigures::end_error);
+    if (name == "arrival_error_max_m")
+      return largest(figures.objects, &ObjectFigures::arrival_error);
+    if (name == "end_error_max_m") return largest(figures.objects, &ObjectFigures::end_error);
     if (name == "tracking_error_p95_m") return figures.tracking_error.p95;
     if (name == "tracking_error_max_m") return figures.tracking_error.max;
     if (name == "vision_error_p95_m") return figures.vision_error.p95;

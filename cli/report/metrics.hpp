@@ -43,8 +43,8 @@ struct CriterionResult {
 std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
                                    const std::function<double(const std::string&)>& value_of);
 
-/// Of the distance of a ball to where it should be (Task::error), weighted by time.
-struct BallFigures {
+/// Of the distance of an object to where it should be (Task::error), weighted by time.
+struct ObjectFigures {
   double rms_error = kNone;    // [m]
   double p95_error = kNone;    // [m]
   double max_error = kNone;    // [m]
@@ -59,18 +59,18 @@ struct BallFigures {
 struct Figures {
   double duration = 0.0;      // of the recording [s]
   double task_start = kNone;  // first plan of the task itself, since the recording's start [s]
-  int loops_completed = 0;    // circles, rounds of a path; 1 when all balls are at a line's end
+  int loops_completed = 0;    // circles, rounds of a path; 1 when all objects are at a line's end
   double turns = 0.0;         // task::Progress::amount()
-  std::string unit;           // of turns: circles, rounds, balls
-  std::vector<double> loop_times;  // [s]
-  std::vector<BallFigures> balls;  // from the start of the task
-  BallFigures judged;              // what criteria look at: the worst ball's, when it has settled
+  std::string unit;           // of turns: circles, rounds, objects
+  std::vector<double> loop_times;      // [s]
+  std::vector<ObjectFigures> objects;  // from the start of the task
+  ObjectFigures judged;  // what criteria look at: the worst object's, when it has settled
   // judged by other readings of the task, by their names
-  std::vector<std::pair<std::string, BallFigures>> readings;
+  std::vector<std::pair<std::string, ObjectFigures>> readings;
   ExcursionFigures out_of_band;
   // |p_WE − p_WE_desired|, without the first second of tracking [m]
   Spread tracking_error;        // outside the approach
-  Spread approach_error;        // on the way to a ball
+  Spread approach_error;        // on the way to an object
   double planner_rate = kNone;  // [Hz]
   Spread solve_time;            // [s]
   std::uint64_t overruns = 0;   // plans that the deadline truncated
@@ -88,9 +88,9 @@ struct Figures {
   std::vector<CriterionResult> criteria;
 };
 
-/// Everything at once. The criteria look at the time from task::Progress::judged_from() on: a ball
-/// that never got a quarter round its circle meets no band, so that a parked end effector cannot
-/// pass.
+/// Everything at once. The criteria look at the time from task::Progress::judged_from() on: an
+/// object that never got a quarter round its circle meets no band, so that a parked end effector
+/// cannot pass.
 /// @param pushes that the scenario's hand gave, in order of time
 Figures evaluate(const Series& series, const task::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes = {});

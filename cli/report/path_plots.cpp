@@ -13,7 +13,7 @@ namespace c3rt::cli {
 namespace {
 
 constexpr double kSpacing = 0.002;          // [m]
-constexpr double kFarthest = 0.2;           // a lost ball must not shrink the path to a point [m]
+constexpr double kFarthest = 0.2;           // a lost object must not shrink the path to a point [m]
 constexpr std::size_t kLargestPlot = 6000;  // points of one line
 constexpr int kSize = 520, kTitle = 60;     // pixels
 
@@ -25,9 +25,9 @@ std::string points(const std::vector<Eigen::Vector2d>& list, std::size_t step = 
 }
 
 Eigen::AlignedBox2d box_of(const PathPlot& plot) {
-  Eigen::AlignedBox2d ball;
-  for (const Eigen::Vector2d& p : plot.ball) ball.extend(p);
-  return shown_of(plot.wanted, ball);
+  Eigen::AlignedBox2d object;
+  for (const Eigen::Vector2d& p : plot.object) object.extend(p);
+  return shown_of(plot.wanted, object);
 }
 
 std::vector<Eigen::Vector2d> dense(const std::vector<Eigen::Vector2d>& corners) {
@@ -50,12 +50,12 @@ std::string wanted_plot() {
 }
 
 Eigen::AlignedBox2d shown_of(const std::vector<Eigen::Vector2d>& wanted,
-                             const Eigen::AlignedBox2d& balls) {
+                             const Eigen::AlignedBox2d& objects) {
   Eigen::AlignedBox2d path;
   for (const Eigen::Vector2d& corner : wanted) path.extend(corner);
   const Eigen::Vector2d far = Eigen::Vector2d::Constant(kFarthest);
   Eigen::AlignedBox2d box =
-      balls.intersection(Eigen::AlignedBox2d(path.min() - far, path.max() + far));
+      objects.intersection(Eigen::AlignedBox2d(path.min() - far, path.max() + far));
   box.extend(path);
   return box;
 }
@@ -79,12 +79,13 @@ std::string draw_paths(const std::filesystem::path& file, const std::string& tit
       "set grid front\n";
   for (const PathPlot& plot : plots) {
     const Eigen::Vector2d center = box_of(plot).center();
-    const std::size_t step = plot.ball.size() / kLargestPlot + 1;
-    script += wanted_data(plot.wanted) + "$ball << EOD\n" + points(plot.ball, step) + "EOD\n";
+    const std::size_t step = plot.object.size() / kLargestPlot + 1;
+    script += wanted_data(plot.wanted) + "$object << EOD\n" + points(plot.object, step) + "EOD\n";
     script += fmt::format("set title {} noenhanced\nset xrange [{}:{}]\nset yrange [{}:{}]\n",
                           gnuplot::quoted(plot.title), center.x() - reach, center.x() + reach,
                           center.y() - reach, center.y() + reach);
-    script += "plot " + wanted_plot() + ", $ball with lines lw 1.3 lc rgb 'black' title 'ball'\n";
+    script +=
+        "plot " + wanted_plot() + ", $object with lines lw 1.3 lc rgb 'black' title 'object'\n";
   }
   script += "unset multiplot\n";
   return gnuplot::missing(file.filename().string(), gnuplot::draw(file, script));

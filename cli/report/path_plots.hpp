@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of where a ball went, seen from above, as in Figures 11, 16 and 17 of the paper.
+// Pictures of where an object went, seen from above, as in Figures 11, 16 and 17 of the paper.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,13 +13,13 @@ struct PathPlot {
   std::string title;
   std::vector<Eigen::Vector2d>
       wanted;  // corners of the desired path; closed if the last is the first
-  std::vector<Eigen::Vector2d> ball;  // true positions [m]
+  std::vector<Eigen::Vector2d> object;  // true positions [m]
 };
 
-/// What is shown of a desired path and of where balls went: a lost one must not shrink the path to
-/// a point.
+/// What is shown of a desired path and of where objects went: a lost one must not shrink the path
+/// to a point.
 Eigen::AlignedBox2d shown_of(const std::vector<Eigen::Vector2d>& wanted,
-                             const Eigen::AlignedBox2d& balls);
+                             const Eigen::AlignedBox2d& objects);
 
 /// gnuplot's blocks $wanted, the desired path, and $band, points at most 2 mm apart along it: discs
 /// about them make its band. And how they are plotted.

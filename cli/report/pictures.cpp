@@ -21,7 +21,7 @@ using gnuplot::terminal;
 
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
 
-constexpr std::array<const char*, kMaxObjects> kBallColours{
+constexpr std::array<const char*, kMaxObjects> kObjectColours{
     "black", "#1b7837", "#b35806", "#7b3294", "#2166ac", "#b2182b", "#01665e", "#8c510a"};
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
@@ -46,17 +46,17 @@ const char* axes(bool any) {
              : "set xrange [0:1]\nset yrange [0:1]\nset nokey\n";
 }
 
-/// The course of one ball from the task's begin; with its first point in `start`.
-std::string track(const Series& series, double from, std::size_t ball, Eigen::AlignedBox2d& box,
+/// The course of one object from the task's begin; with its first point in `start`.
+std::string track(const Series& series, double from, std::size_t object, Eigen::AlignedBox2d& box,
                   std::string& start) {
   std::string rows;
   const std::size_t step = stride(series.scene.size());
   for (std::size_t i = 0; i < series.scene.size(); i += step) {
     const SceneRow& row = series.scene[i];
-    if (static_cast<int>(ball) >= row.ball_count ||
+    if (static_cast<int>(object) >= row.object_count ||
         static_cast<double>(row.time_ns - start_ns(series)) * 1e-9 < from)
       continue;
-    const Eigen::Vector2d p_WB = row.p_WB[ball].head<2>();
+    const Eigen::Vector2d p_WB = row.p_WB[object].head<2>();
     const std::string point = fmt::format("{:.6f} {:.6f}\n", p_WB.x(), p_WB.y());
     if (rows.empty()) start += point;
     rows += point;
@@ -68,15 +68,15 @@ std::string track(const Series& series, double from, std::size_t ball, Eigen::Al
 std::string path_script(const Series& series, const task::Task& task, const Figures& figures,
                         const std::string& title) {
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
-  const std::size_t balls = std::max<std::size_t>(1, figures.balls.size());
+  const std::size_t objects = std::max<std::size_t>(1, figures.objects.size());
   Eigen::AlignedBox2d box;
   std::string script = terminal(720, 760), start, plots;
-  for (std::size_t ball = 0; ball < balls; ++ball) {
-    script +=
-        fmt::format("$ball{} << EOD\n", ball) + track(series, from, ball, box, start) + "EOD\n";
-    const std::string name = balls > 1 ? fmt::format("ball {}", ball + 1) : "ball";
-    plots += fmt::format(", $ball{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'", ball,
-                         kBallColours[ball], name);
+  for (std::size_t object = 0; object < objects; ++object) {
+    script += fmt::format("$object{} << EOD\n", object) + track(series, from, object, box, start) +
+              "EOD\n";
+    const std::string name = objects > 1 ? fmt::format("object {}", object + 1) : "object";
+    plots += fmt::format(", $object{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'",
+                         object, kObjectColours[object], name);
   }
   const std::vector<Eigen::Vector2d> corners = task.outline(box);
   box = shown_of(corners, box);
@@ -100,15 +100,16 @@ std::string error_script(const Series& series, const task::Task& task, const Fig
                          const std::string& title) {
   std::string script = terminal(900, 420), plots;
   bool any = false;
-  for (std::size_t ball = 0; ball < figures.balls.size(); ++ball) {
-    const PathErrors errors = path_errors(series, task, static_cast<int>(ball));
-    script += fmt::format("$error{} << EOD\n", ball) + thinned(errors.time, errors.error) + "EOD\n";
+  for (std::size_t object = 0; object < figures.objects.size(); ++object) {
+    const PathErrors errors = path_errors(series, task, static_cast<int>(object));
+    script +=
+        fmt::format("$error{} << EOD\n", object) + thinned(errors.time, errors.error) + "EOD\n";
     any = any || !errors.time.empty();
-    plots += fmt::format(", $error{} with lines lw 1.2 lc rgb '{}' title 'ball {}'", ball,
-                         kBallColours[ball], ball + 1);
+    plots += fmt::format(", $error{} with lines lw 1.2 lc rgb '{}' title 'object {}'", object,
+                         kObjectColours[object], object + 1);
   }
   return script + fmt::format("set title {} noenhanced\n", quoted(title)) +
-         "set xlabel 'time since the task began [s]'\nset ylabel 'ball to path [mm]'\n" +
+         "set xlabel 'time since the task began [s]'\nset ylabel 'object to path [mm]'\n" +
          axes(any) +
          fmt::format(
              "set key below horizontal\nplot {} with lines dt 2 lc rgb '#d04020' title '2 cm'",

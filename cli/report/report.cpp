@@ -23,23 +23,23 @@ std::string shown(const Spread& spread, double per_unit, int digits) {
                      shown(spread.p95, per_unit, digits), shown(spread.max, per_unit, digits));
 }
 
-ordered_json to_json(const BallFigures& ball) {
-  return {{"rms_error_m", number(ball.rms_error)},
-          {"p95_error_m", number(ball.p95_error)},
-          {"max_error_m", number(ball.max_error)},
-          {"in_band_2cm", number(ball.in_band_2cm)},
-          {"in_band_1cm", number(ball.in_band_1cm)},
-          {"arrived_after_s", number(ball.arrived_after)},
-          {"arrival_error_m", number(ball.arrival_error)},
-          {"end_error_m", number(ball.end_error)}};
+ordered_json to_json(const ObjectFigures& object) {
+  return {{"rms_error_m", number(object.rms_error)},
+          {"p95_error_m", number(object.p95_error)},
+          {"max_error_m", number(object.max_error)},
+          {"in_band_2cm", number(object.in_band_2cm)},
+          {"in_band_1cm", number(object.in_band_1cm)},
+          {"arrived_after_s", number(object.arrived_after)},
+          {"arrival_error_m", number(object.arrival_error)},
+          {"end_error_m", number(object.end_error)}};
 }
 
-std::string shown(const BallFigures& ball) {
+std::string shown(const ObjectFigures& object) {
   constexpr double kMilli = 1e3, kPercent = 1e2;
   return fmt::format("rms {} mm  p95 {} mm  max {} mm  in 2 cm {} %  in 1 cm {} %",
-                     shown(ball.rms_error, kMilli, 1), shown(ball.p95_error, kMilli, 1),
-                     shown(ball.max_error, kMilli, 1), shown(ball.in_band_2cm, kPercent, 1),
-                     shown(ball.in_band_1cm, kPercent, 1));
+                     shown(object.rms_error, kMilli, 1), shown(object.p95_error, kMilli, 1),
+                     shown(object.max_error, kMilli, 1), shown(object.in_band_2cm, kPercent, 1),
+                     shown(object.in_band_1cm, kPercent, 1));
 }
 
 ordered_json to_json(const ExcursionFigures& figures) {
@@ -90,8 +90,8 @@ bool all_met(const std::vector<CriterionResult>& criteria) {
 
 ordered_json to_json(const Report& report) {
   const Figures& figures = report.figures;
-  ordered_json balls = ordered_json::array();
-  for (const BallFigures& ball : figures.balls) balls.push_back(to_json(ball));
+  ordered_json objects = ordered_json::array();
+  for (const ObjectFigures& object : figures.objects) objects.push_back(to_json(object));
   ordered_json path;  // null but for a task in time
   for (const auto& [name, reading] : figures.readings) path[name] = to_json(reading);
   return {
@@ -103,7 +103,7 @@ ordered_json to_json(const Report& report) {
       {"criteria", to_json(figures.criteria)},
       {"loops_completed", figures.loops_completed},
       {"loop_times_s", figures.loop_times},
-      {"objects", balls},
+      {"objects", objects},
       {"judged", to_json(figures.judged)},
       {"path", path},
       {"out_of_band", to_json(figures.out_of_band)},
@@ -154,14 +154,14 @@ std::string summary(const Report& report) {
   line(figures.unit.c_str(),
        fmt::format("{:.2f}{}", figures.turns,
                    loop_times.empty() ? "" : ", done in" + loop_times + " s"));
-  for (const BallFigures& ball : figures.balls) line("ball to path", shown(ball));
+  for (const ObjectFigures& object : figures.objects) line("object to path", shown(object));
   if (const std::string out = shown(figures.out_of_band); !out.empty()) line("out of 2 cm", out);
   if (figures.unit == "balls") {
-    for (const BallFigures& ball : figures.balls)
-      line("ball past the end",
+    for (const ObjectFigures& object : figures.objects)
+      line("object past the end",
            fmt::format("after {} s, {} mm beside the line; at the end {} mm",
-                       shown(ball.arrived_after, 1, 1), shown(ball.arrival_error, kMilli, 1),
-                       shown(ball.end_error, kMilli, 1)));
+                       shown(object.arrived_after, 1, 1), shown(object.arrival_error, kMilli, 1),
+                       shown(object.end_error, kMilli, 1)));
   }
   for (const auto& [name, reading] : figures.readings) {
     std::string words = name;
@@ -169,7 +169,7 @@ std::string summary(const Report& report) {
     line(words.c_str(), shown(reading));
   }
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
-  line("on the way to a ball", shown(figures.approach_error, kMilli, 2) + " mm");
+  line("on the way to an object", shown(figures.approach_error, kMilli, 2) + " mm");
   line("planner",
        fmt::format("{} Hz, solve {} ms, {} truncated, {} fallbacks",
                    shown(figures.planner_rate, 1, 1), shown(figures.solve_time, kMilli, 2),

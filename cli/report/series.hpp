@@ -25,7 +25,7 @@ inline std::array<Eigen::Vector3d, kMaxObjects> zeros() {
 struct SceneRow {
   std::int64_t time_ns = 0;
   bool exposure = false;  // the cameras exposed at this instant
-  int ball_count = 0;
+  int object_count = 0;
   std::array<Eigen::Vector3d, kMaxObjects> p_WB = zeros();  // [m]
 };
 
@@ -64,7 +64,7 @@ struct PlanRow {
 struct EstimateRow {
   std::int64_t time_ns = 0;
   std::int64_t exposure_ns = 0;
-  int ball = 0;
+  int object = 0;
   bool valid = false;
   int sensors_used = 0;
   Eigen::Vector3d p_measured = Eigen::Vector3d::Zero();  // before the low-pass filter [m]

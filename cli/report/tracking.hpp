@@ -14,7 +14,7 @@ struct TrackingError {
 
 struct TrackingErrors {
   TrackingError task;      // plans of phase roll and return, and those that were not recorded
-  TrackingError approach;  // all others: the way to the first ball and from one ball to another
+  TrackingError approach;  // all others: the way to the first object and from one object to another
 };
 
 /// Without the first second of tracking.

@@ -1,5 +1,5 @@
-// The single ball's circle with every projection, and the monolithic problem (15) on the states of
-// such a run: no table of the paper, but what its section VII-A says of (15).
+// The single object's circle with every projection, and the monolithic problem (15) on the states
+// of such a run: no table of the paper, but what its section VII-A says of (15).
 #include <algorithm>
 #include <cmath>
 #include <limits>

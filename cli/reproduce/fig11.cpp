@@ -1,4 +1,4 @@
-// Figure 11: one ball on the circle, slow without noise, fast with 1 mm of it.
+// Figure 11: one object on the circle, slow without noise, fast with 1 mm of it.
 #include <fmt/format.h>
 
 #include "cli/reproduce/rolling.hpp"

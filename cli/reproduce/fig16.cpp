@@ -1,4 +1,4 @@
-// Figure 16: the ball on three paths in time.
+// Figure 16: the object on three paths in time.
 #include <fmt/format.h>
 
 #include "cli/reproduce/timed_paths.hpp"

@@ -11,7 +11,7 @@ void fig17(const Context& context) {
   spec.logs = true;
   const campaign::RunResult run = context.runs({spec}).front();
   const ordered_json& report = run.report;
-  const BallTrack track = ball_track(run);
+  const ObjectTrack track = object_track(run);
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : track.position)
     mean += p / static_cast<double>(track.position.size());

@@ -1,4 +1,4 @@
-// Figure 18: the ball's error over time on three paths in time.
+// Figure 18: the object's error over time on three paths in time.
 #include <fmt/format.h>
 
 #include "cli/reproduce/timed_paths.hpp"
@@ -10,7 +10,7 @@ namespace {
 Panel error_panel(const TimedPath& path, const campaign::RunResult& run) {
   const auto readings = scenario_of(run.spec).task.motion.readings();
   const task::Task &held = readings.at(0).second, &moving = readings.at(1).second;
-  const BallTrack track = ball_track(run);
+  const ObjectTrack track = object_track(run);
   const auto count = static_cast<Eigen::Index>(track.time.size());
   Eigen::VectorXd time(count), to_moving(count), to_held(count);
   for (Eigen::Index i = 0; i < count; ++i) {

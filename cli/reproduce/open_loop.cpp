@@ -91,7 +91,7 @@ Eigen::Vector3d vector(const std::vector<double>& row, std::size_t at) {
 std::vector<Question> questions(const campaign::RunResult& run, const config::Scenario& scenario,
                                 int count) {
   const std::filesystem::path logs = run.folder / "log";
-  const auto balls = campaign::read_columns(
+  const auto objects = campaign::read_columns(
       logs / "sim_scene.csv",
       {"time_ns", "objects_0_p_WB_m_0", "objects_0_p_WB_m_1", "objects_0_p_WB_m_2",
        "objects_0_v_WB_m_per_s_0", "objects_0_v_WB_m_per_s_1", "objects_0_v_WB_m_per_s_2",
@@ -116,12 +116,12 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     effector.v_WE = passed > 0.0 ? Eigen::Vector3d((effector.p_WE - vector(earlier, 1)) / passed)
                                  : Eigen::Vector3d(Eigen::Vector3d::Zero());
     scene.body_count = 1;
-    const std::vector<double>& seen = before(balls, now);
-    scene::Body& ball = scene.body(0);
-    ball.v_WB = vector(seen, 4);
-    ball.p_WB = vector(seen, 1) + (now - seen[0]) * kNs * ball.v_WB;
-    ball.omega_WB = vector(seen, 7);
-    ball.q_WB.setIdentity();
+    const std::vector<double>& seen = before(objects, now);
+    scene::Body& object = scene.body(0);
+    object.v_WB = vector(seen, 4);
+    object.p_WB = vector(seen, 1) + (now - seen[0]) * kNs * object.v_WB;
+    object.omega_WB = vector(seen, 7);
+    object.q_WB.setIdentity();
 
     const planner::Phase phase = planner::phase_at(parameters.heuristic, question.time);
     question.rolling = phase == planner::Phase::kRoll;
@@ -132,7 +132,7 @@ std::vector<Question> questions(const campaign::RunResult& run, const config::Sc
     desired.body_count = 1;
     desired.effector.p_WE =
         planner::end_effector_target(parameters.heuristic, parameters.geometry, phase,
-                                     effector.p_WE, radius, ball.p_WB, target(0.0));
+                                     effector.p_WE, radius, object.p_WB, target(0.0));
     for (int k = 0; k <= parameters.N; ++k) {
       desired.body(0).p_WB << target(k * parameters.dt), parameters.geometry.table_height + radius;
       question.desired.push_back(desired);

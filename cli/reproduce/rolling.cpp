@@ -33,12 +33,12 @@ std::vector<double> c3_instants(const campaign::RunResult& run) {
   return instants;
 }
 
-BallTrack ball_track(const campaign::RunResult& run, int ball) {
+ObjectTrack object_track(const campaign::RunResult& run, int object) {
   const double start = c3_instants(run).front();
   const auto rows = campaign::read_columns(run.folder / "log" / "sim_scene.csv",
-                                           {"time_ns", fmt::format("objects_{}_p_WB_m_0", ball),
-                                            fmt::format("objects_{}_p_WB_m_1", ball)});
-  BallTrack track;
+                                           {"time_ns", fmt::format("objects_{}_p_WB_m_0", object),
+                                            fmt::format("objects_{}_p_WB_m_1", object)});
+  ObjectTrack track;
   for (const auto& row : rows) {
     if (row[0] < start) continue;
     track.time.push_back(seconds(row[0] - start));
@@ -70,7 +70,7 @@ EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
 
 PathPlot path_plot(const std::string& title, const campaign::RunResult& run) {
   const config::Scenario scenario = scenario_of(run.spec);
-  const BallTrack track = ball_track(run);
+  const ObjectTrack track = object_track(run);
   Eigen::AlignedBox2d start;
   if (!track.position.empty()) start.extend(track.position.front());
   return {title, scenario.task.motion.outline(start), track.position};

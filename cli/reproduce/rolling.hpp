@@ -1,5 +1,5 @@
 #pragma once
-// What the figures of section VII share: a run's ball and end effector from its logs.
+// What the figures of section VII share: a run's object and end effector from its logs.
 #include <string>
 #include <vector>
 
@@ -20,13 +20,13 @@ config::Scenario scenario_of(const campaign::RunSpec& spec);
 /// @throws std::runtime_error if the run has no logs or never began its task
 std::vector<double> c3_instants(const campaign::RunResult& run);
 
-/// The true positions of a ball from the begin of the task.
-struct BallTrack {
+/// The true positions of an object from the begin of the task.
+struct ObjectTrack {
   std::vector<double> time;               // since the begin of the task [s]
   std::vector<Eigen::Vector2d> position;  // x and y in W [m]
 };
 /// @throws as c3_instants
-BallTrack ball_track(const campaign::RunResult& run, int ball = 0);
+ObjectTrack object_track(const campaign::RunResult& run, int object = 0);
 
 /// The end effector and where the plan wanted it, for each command that tracks one.
 struct EndEffectorTrack {

@@ -23,8 +23,8 @@ FaultInject fault(Process process, c3rt_v2_FaultKind kind, double duration = 1.0
   return sample;
 }
 
-FaultInject push(double x, double y, double z, int ball = 0) {
-  FaultInject sample = fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_PUSH_OBJECT, 0.0, ball);
+FaultInject push(double x, double y, double z, int object = 0) {
+  FaultInject sample = fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_PUSH_OBJECT, 0.0, object);
   sample.value[0] = x;
   sample.value[1] = y;
   sample.value[2] = z;

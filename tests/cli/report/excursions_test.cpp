@@ -16,7 +16,7 @@ using namespace c3rt::cli;
 constexpr std::int64_t kMs = 1'000'000;
 const c3rt::task::Circle kCircle{{0.55, 0.0}, 0.1, 0.35};
 
-/// A ball that goes round in 20 s, off the circle by what `off` says; 10 ms per row, for 40 s.
+/// An object that goes round in 20 s, off the circle by what `off` says; 10 ms per row, for 40 s.
 Series round_trip(const std::function<double(double)>& off) {
   Series series;
   PlanRow plan{};
@@ -26,7 +26,7 @@ Series round_trip(const std::function<double(double)>& off) {
     const double time = 0.01 * i, angle = 2.0 * M_PI * time / 20.0;
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
-    row.ball_count = 1;
+    row.object_count = 1;
     const double radius = kCircle.radius + off(time);
     row.p_WB[0] = {0.55 + radius * std::sin(angle), radius * std::cos(angle), 0.0315};
     series.scene.push_back(row);
@@ -73,7 +73,7 @@ TEST_CASE("excursions: a push is answered for until the next one") {
                                                  {11.0, 0, {0.01, 0, 0}},
                                                  {50.0, 0, {0, 0, 0}}};
   const ExcursionFigures figures = excursion_figures(series, kCircle, 5.0, pushes);
-  // the first is before the ball is judged, the last after the end
+  // the first is before the object is judged, the last after the end
   REQUIRE(figures.pushes.size() == 2);
   CHECK_FALSE(figures.pushes[0].returned);
   CHECK(figures.pushes[0].out_of_band == Approx(0.5).margin(0.011));

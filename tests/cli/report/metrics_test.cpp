@@ -16,7 +16,7 @@ using namespace c3rt::cli;
 constexpr std::int64_t kMs = 1'000'000;
 const c3rt::task::Circle kCircle{{0.55, 0.0}, 0.1, 0.35};
 
-/// A ball that goes round a circle of `radius` about `center` at constant speed; 10 ms per row.
+/// An object that goes round a circle of `radius` about `center` at constant speed; 10 ms per row.
 Series orbit(const Eigen::Vector2d& center, double radius, double turns_per_s, double duration) {
   Series series;
   series.plan.push_back({0, 0, 0, true, false, false, 0.001});
@@ -24,7 +24,7 @@ Series orbit(const Eigen::Vector2d& center, double radius, double turns_per_s, d
     const double angle = 2.0 * M_PI * turns_per_s * i * 0.01;
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
-    row.ball_count = 1;
+    row.object_count = 1;
     // α = atan2(x − x_c, y − y_c) grows: clockwise seen from above
     row.p_WB[0] = {center.x() + radius * std::sin(angle), center.y() + radius * std::cos(angle),
                    0.0315};
@@ -48,9 +48,9 @@ TEST_CASE("a ball on the circle at constant speed has no error and equal loop ti
   REQUIRE(figures.loop_times.size() == 2);
   REQUIRE(figures.loop_times[0] == Approx(20.0).margin(1e-6));
   REQUIRE(figures.loop_times[1] == Approx(20.0).margin(1e-6));
-  REQUIRE(figures.balls.size() == 1);
-  REQUIRE(figures.balls[0].max_error < 1e-12);
-  REQUIRE(figures.balls[0].in_band_2cm == Approx(1.0));
+  REQUIRE(figures.objects.size() == 1);
+  REQUIRE(figures.objects[0].max_error < 1e-12);
+  REQUIRE(figures.objects[0].in_band_2cm == Approx(1.0));
 }
 
 TEST_CASE("loops count in the task's direction only") {
@@ -77,9 +77,9 @@ TEST_CASE("an offset circle has the errors of its offset") {
   // where cos φ = ±1
   const double e = 0.015;
   const Figures figures = evaluate(orbit({0.55 + e, 0.0}, 0.1, 0.05, 40.0), kCircle, {});
-  const BallFigures& ball = figures.balls.at(0);
-  REQUIRE(ball.max_error == Approx(e).margin(1e-6));
-  REQUIRE(ball.in_band_2cm == Approx(1.0));
+  const ObjectFigures& object = figures.objects.at(0);
+  REQUIRE(object.max_error == Approx(e).margin(1e-6));
+  REQUIRE(object.in_band_2cm == Approx(1.0));
   double squares = 0.0, inside = 0.0;  // the same integral over the angle, sampled finely
   constexpr int kSamples = 100000;
   for (int i = 0; i < kSamples; ++i) {
@@ -88,8 +88,8 @@ TEST_CASE("an offset circle has the errors of its offset") {
     squares += error * error;
     inside += std::abs(error) <= 0.01 ? 1.0 : 0.0;
   }
-  REQUIRE(ball.rms_error == Approx(std::sqrt(squares / kSamples)).epsilon(1e-3));
-  REQUIRE(ball.in_band_1cm == Approx(inside / kSamples).margin(2e-3));
+  REQUIRE(object.rms_error == Approx(std::sqrt(squares / kSamples)).epsilon(1e-3));
+  REQUIRE(object.in_band_1cm == Approx(inside / kSamples).margin(2e-3));
 }
 
 TEST_CASE("the time in the band is weighted by time, not by samples") {
@@ -97,7 +97,7 @@ TEST_CASE("the time in the band is weighted by time, not by samples") {
   series.scene.clear();
   // 1 s inside in one row, then 1 s outside in a hundred rows
   SceneRow row{};
-  row.ball_count = 1;
+  row.object_count = 1;
   row.p_WB[0] = {0.55, 0.1, 0.0315};
   series.scene.push_back(row);
   row.p_WB[0] = {0.55, 0.15, 0.0315};
@@ -105,7 +105,7 @@ TEST_CASE("the time in the band is weighted by time, not by samples") {
     row.time_ns = 1000 * kMs + i * 10 * kMs;
     series.scene.push_back(row);
   }
-  REQUIRE(evaluate(series, kCircle, {}).balls.at(0).in_band_2cm == Approx(0.5));
+  REQUIRE(evaluate(series, kCircle, {}).objects.at(0).in_band_2cm == Approx(0.5));
 }
 
 TEST_CASE(
@@ -113,7 +113,7 @@ TEST_CASE(
   const Series series = orbit(kCircle.center, 0.1, 0.0, 30.0);
   const Figures figures = evaluate(series, kCircle, {});
   REQUIRE(figures.loops_completed == 0);
-  REQUIRE(figures.balls.at(0).in_band_2cm == Approx(1.0));
+  REQUIRE(figures.objects.at(0).in_band_2cm == Approx(1.0));
   REQUIRE_FALSE(criterion(series, {"loops_completed", 1.0, {}}).met);
   REQUIRE_FALSE(criterion(series, {"max_loop_time_s", {}, 25.0}).met);
   REQUIRE_FALSE(criterion(series, {"in_band_2cm", 0.95, {}}).met);
@@ -127,7 +127,7 @@ TEST_CASE("criteria on the band begin after the first quarter circle") {
       row.p_WB[0].head<2>() = kCircle.center + 1.4 * (row.p_WB[0].head<2>() - kCircle.center);
   }
   const Figures figures = evaluate(series, kCircle, {});
-  REQUIRE(figures.balls.at(0).in_band_2cm == Approx(0.9));  // from the start: 36 s of 40 s
+  REQUIRE(figures.objects.at(0).in_band_2cm == Approx(0.9));  // from the start: 36 s of 40 s
   const CriterionResult band = criterion(series, {"in_band_2cm", 1.0, {}});
   REQUIRE(band.value == Approx(1.0));
   REQUIRE(band.met);
@@ -144,7 +144,7 @@ TEST_CASE("the task starts with the first plan that rolls, not with the approach
 }
 
 namespace {
-/// A straight path there and back at 0.02 m/s, 0.02 m a way-point, and a ball that follows it
+/// A straight path there and back at 0.02 m/s, 0.02 m a way-point, and an object that follows it
 /// `late` seconds late; 10 ms per row, the task begins after 3 s.
 const c3rt::task::Path kThereAndBack{{{0.5, 0.0}, {0.52, 0.0}, {0.54, 0.0}, {0.52, 0.0}},
                                      1.0,
@@ -157,7 +157,7 @@ Series follower(double late, double duration) {
   for (int i = 0; i <= static_cast<int>(duration * 100.0 + 0.5); ++i) {
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
-    row.ball_count = 1;
+    row.object_count = 1;
     row.p_WB[0].head<2>() = kThereAndBack.point(0.01 * i - 3.0 - late);
     series.scene.push_back(row);
   }
@@ -167,7 +167,7 @@ Series follower(double late, double duration) {
 
 TEST_CASE("a path in time is judged by the distance to the point of the time") {
   // half a second late at 0.02 m/s: 10 mm, but for the half second after each turn at an end, where
-  // point and ball pass each other: |10 mm - 40 mm/s t|, of mean square 100/3 mm²
+  // point and object pass each other: |10 mm - 40 mm/s t|, of mean square 100/3 mm²
   const Figures figures = evaluate(follower(0.5, 43.0), kThereAndBack, {});
   CHECK(figures.task_start == Approx(3.0));
   CHECK(figures.turns == Approx(10.0));
@@ -197,7 +197,7 @@ TEST_CASE("criteria on a path look at the time after its first second") {
   }
   const std::vector<Limit> limits{{"path_error_max_m", {}, 0.02}, {"path_error_rms_m", {}, 0.01}};
   const Figures figures = evaluate(series, kThereAndBack, limits);
-  REQUIRE(figures.balls.at(0).max_error == Approx(0.05));
+  REQUIRE(figures.objects.at(0).max_error == Approx(0.05));
   for (const CriterionResult& result : figures.criteria) {
     CHECK(result.value < 1e-9);
     CHECK(result.met);
@@ -213,7 +213,7 @@ TEST_CASE("a line is done when all balls are past its end, and the worst ball is
   for (int i = 0; i <= 1000; ++i) {  // both at 0.05 m/s; the second is 0.1 m behind and 5 mm beside
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
-    row.ball_count = 2;
+    row.object_count = 2;
     row.p_WB[0] = {0.55, 0.1 - 0.0005 * i, 0.0};
     row.p_WB[1] = {0.555, 0.2 - 0.0005 * i, 0.0};
     series.scene.push_back(row);
@@ -229,9 +229,9 @@ TEST_CASE("a line is done when all balls are past its end, and the worst ball is
   CHECK(figures.loop_times[0] == Approx(6.0).margin(0.011));  // 0.3 m at 0.05 m/s
   CHECK(figures.judged.max_error == Approx(0.005));
   CHECK_FALSE(figures.criteria.at(0).met);
-  CHECK(figures.balls.at(0).arrived_after == Approx(4.0).margin(0.011));
-  CHECK(figures.balls.at(1).arrived_after == Approx(6.0).margin(0.011));
-  CHECK(figures.balls.at(1).arrival_error == Approx(0.005));
+  CHECK(figures.objects.at(0).arrived_after == Approx(4.0).margin(0.011));
+  CHECK(figures.objects.at(1).arrived_after == Approx(6.0).margin(0.011));
+  CHECK(figures.objects.at(1).arrival_error == Approx(0.005));
   CHECK(figures.criteria.at(1).met);
   CHECK_FALSE(figures.criteria.at(2).met);
   CHECK(figures.criteria.at(3).met);
@@ -279,7 +279,7 @@ TEST_CASE(
     SceneRow row{};
     row.time_ns = i * 10 * kMs;
     row.exposure = true;
-    row.ball_count = 1;
+    row.object_count = 1;
     row.p_WB[0] = {0.01 * i, 0.0, 0.0};
     series.scene.push_back(row);
     if (i == 4 || i == 7) continue;  // dropped

@@ -26,7 +26,7 @@ using Names = std::vector<std::string>;
 
 TEST_CASE("the report has exactly the keys that other programs read") {
   Report report;
-  report.figures.balls.resize(1);
+  report.figures.objects.resize(1);
   report.figures.criteria = {{"in_band_2cm", 0.97, 0.95, true}};
   const ordered_json json = to_json(report);
   REQUIRE(keys(json) == Names{"scenario", "seed", "clock", "duration_s", "result", "criteria",

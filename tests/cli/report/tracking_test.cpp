@@ -51,7 +51,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the way to a ball, also from one to the next, is left out of the tracking error") {
-  // 8 mm on the first way, 1 mm at work, 5 mm between two balls, 2 mm at work again
+  // 8 mm on the first way, 1 mm at work, 5 mm between two objects, 2 mm at work again
   Series series = commands([](int i) {
     return i <= 1800 ? 8.0 : i <= 2200 ? 1.0 : i <= 2600 ? 5.0 : 2.0;
   });

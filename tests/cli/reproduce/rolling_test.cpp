@@ -38,7 +38,7 @@ TEST_CASE("fig11: both circles run, and the tracks of their logs agree with thei
   campaign::RunResult run;
   run.folder = folder.path() / "runs" / "fig11-slow";
   run.report = results.at("slow").at("report");
-  const BallTrack track = ball_track(run);
+  const ObjectTrack track = object_track(run);
   REQUIRE(track.time.size() > 100);
   CHECK(track.time.front() >= 0.0);
   CHECK(track.time.front() < 0.02);
