@@ -36,7 +36,8 @@ Order order_of(const wire::FaultInject& fault) {
 
 wire::FaultScope fault_scope(const Parameters& parameters) {
   wire::FaultScope scope;
-  for (const BallParameters& ball : parameters.world.balls) scope.object_masses.push_back(ball.mass);
+  for (const BallParameters& ball : parameters.world.balls)
+    scope.object_masses.push_back(ball.mass);
   return scope;
 }
 

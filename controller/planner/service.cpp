@@ -27,7 +27,8 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
       overruns_(endpoint.status().counter("overruns")),
       truncated_(endpoint.status().counter("truncated")),
       fallbacks_(endpoint.status().counter("fallbacks")),
-      object_lost_(endpoint.status().counter("object_lost")) {
+      object_lost_(endpoint.status().counter("object_lost")),
+      failures_(endpoint.status().counter("failures")) {
   endpoint_.say(c3rt_v2_SERVICE_RUNNING, "waiting for the robot's state");
 }
 
@@ -51,6 +52,12 @@ void Service::step(std::int64_t now_ns) {
   truncated_ = counters.truncated;
   fallbacks_ = counters.fallbacks;
   object_lost_ = counters.body_lost;
+  // told again only where another thing was thrown: it may be thrown in every period
+  if (counters.failures != failures_ && failure_ != node_.planner().failure()) {
+    failure_ = node_.planner().failure();
+    endpoint_.tell(true, "a period failed, the end effector is held: " + failure_);
+  }
+  failures_ = counters.failures;
   tell(seconds(now_ns));
 }
 
@@ -109,7 +116,8 @@ std::string Service::summary() const {
          " fallbacks=" + std::to_string(counters.fallbacks) +
          " object_lost=" + std::to_string(counters.body_lost) +
          " lcp_failures=" + std::to_string(counters.lcp_failures) +
-         " speed_clamped=" + std::to_string(counters.speed_clamped);
+         " speed_clamped=" + std::to_string(counters.speed_clamped) +
+         " failures=" + std::to_string(counters.failures);
 }
 
 }  // namespace c3rt::planner

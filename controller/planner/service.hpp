@@ -38,7 +38,8 @@ class Service {
   Node::Input in_;
   wire::FaultWindows faults_;
   Activity told_;
-  std::atomic<std::uint64_t>&sent_, &overruns_, &truncated_, &fallbacks_, &object_lost_;
+  std::atomic<std::uint64_t>&sent_, &overruns_, &truncated_, &fallbacks_, &object_lost_, &failures_;
+  std::string failure_;  // that was told last
 };
 
 }  // namespace c3rt::planner

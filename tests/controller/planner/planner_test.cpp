@@ -556,6 +556,23 @@ TEST_CASE("planner: heights are those above the ball's top, ways beside it grow 
   CHECK(large.model.force_unit == 1.0);  // of the same mass
 }
 
+TEST_CASE("planner: a ball that the settings do not hold is refused, with the range that they do") {
+  using Catch::Contains;
+  for (const char* held : {"0.025", "0.05"})
+    CHECK_NOTHROW(parameters({std::string("planner.model.ball_radius_m=") + held}));
+  for (const char* held : {"0.05", "0.528"})
+    CHECK_NOTHROW(parameters({std::string("planner.model.ball_mass_kg=") + held}));
+  CHECK_THROWS_WITH(parameters({"planner.model.ball_radius_m=0.02"}),
+                    Contains("planner.tuned_for.radius_m") &&
+                        Contains("model.ball_radius_m is 0.75 to 1.7 times") &&
+                        Contains("0.635 times"));
+  CHECK_THROWS_WITH(parameters({"planner.model.ball_mass_kg=0.02"}),
+                    Contains("model.ball_mass_kg is 0.25 to 4.5 times"));
+  // with settings of its own it is its own business
+  CHECK_NOTHROW(
+      parameters({"planner.model.ball_radius_m=0.02", "planner.tuned_for.radius_m=0.02"}));
+}
+
 TEST_CASE("planner: for the ball that it was tuned for everything is taken as it stands") {
   const Parameters same =
       parameters({"planner.tuned_for.radius_m=0.05", "planner.tuned_for.mass_kg=0.2",
