@@ -76,10 +76,10 @@ Parameters load_parameters(config::Section section) {
   }
   if (section.given("detector", cameras, why))
     p.detector = load_detector(section.section("detector"));
-  p.colours = BallColours::kDistinct;
-  if (section.has("ball_colours")) {
-    p.colours = section.choice<BallColours>(
-        "ball_colours", {{"distinct", BallColours::kDistinct}, {"same", BallColours::kSame}});
+  p.colours = ObjectColours::kDistinct;
+  if (section.has("object_colours")) {
+    p.colours = section.choice<ObjectColours>(
+        "object_colours", {{"distinct", ObjectColours::kDistinct}, {"same", ObjectColours::kSame}});
   }
   if (section.given("pixel_noise", cameras, why))
     p.pixel_noise = section.number("pixel_noise", {0, 50});

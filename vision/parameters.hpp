@@ -17,8 +17,8 @@ enum class SourceKind {
   kEmulated,  // ground truth at the exposure plus noise (paper, VII-A)
 };
 
-/// What the balls look like.
-enum class BallColours {
+/// What the objects look like.
+enum class ObjectColours {
   kDistinct,  // each in a colour of its own, by which it is told apart
   kSame,      // all orange: told apart by where they were
 };
@@ -43,7 +43,7 @@ struct Parameters {
   EstimatorParameters estimator;
   FusionParameters fusion;
   DetectorParameters detector;
-  BallColours colours;
+  ObjectColours colours;
   double pixel_noise;  // standard deviation of the virtual cameras' noise [grey levels]
   std::vector<CameraParameters> cameras;
 };

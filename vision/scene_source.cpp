@@ -45,7 +45,7 @@ class CameraSource : public SceneSource {
       faulty_.push_back(std::make_unique<FaultyCamera>(*camera));
       cameras.push_back(faulty_.back().get());
     }
-    std::vector<BallModel> balls;
+    std::vector<SphereModel> balls;
     for (std::size_t i = 0; i < world.balls.size(); ++i) {
       const double radius = world.balls[i].radius;
       balls.push_back({radius, world.table_height + radius, plant::kBallColours.at(i)});

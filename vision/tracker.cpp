@@ -11,7 +11,7 @@ namespace c3rt::vision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFarthest = 10.0;       // a lost ball may be anywhere within this [m]
+constexpr double kFarthest = 10.0;       // a lost sphere may be anywhere within this [m]
 constexpr double kOverlap = 0.8;         // of the sum of the radii: closer centres are impossible
 constexpr std::size_t kMostNearby = 3;   // circles that one region of interest may give
 constexpr std::size_t kMostInImage = 8;  // circles that a full image may give
@@ -21,15 +21,15 @@ DetectorParameters for_search(DetectorParameters parameters) {
   return parameters;
 }
 
-/// A circle, and the only ball that it can be; -1: any.
+/// A circle, and the only sphere that it can be; -1: any.
 struct Candidate {
   Detection detection;
   int only;
 };
 
-/// To each ball that is expected somewhere its candidate, −1: none, so that the sum of their
+/// To each sphere that is expected somewhere its candidate, −1: none, so that the sum of their
 /// distances is the least.
-/// @param units  of each ball's distance [m]; `gate` is in them
+/// @param units  of each sphere's distance [m]; `gate` is in them
 std::vector<int> nearest(const std::vector<Candidate>& candidates,
                          const std::vector<std::optional<Eigen::Vector3d>>& expected,
                          const std::vector<double>& units, double gate) {
@@ -37,12 +37,12 @@ std::vector<int> nearest(const std::vector<Candidate>& candidates,
   Eigen::MatrixXd cost =
       Eigen::MatrixXd::Constant(rows, static_cast<Eigen::Index>(candidates.size()), kInfinity);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const auto ball = static_cast<std::size_t>(i);
-    if (!expected[ball]) continue;
+    const auto sphere = static_cast<std::size_t>(i);
+    if (!expected[sphere]) continue;
     for (Eigen::Index j = 0; j < cost.cols(); ++j) {
       const Candidate& candidate = candidates[static_cast<std::size_t>(j)];
       if (candidate.only < 0 || candidate.only == i)
-        cost(i, j) = (candidate.detection.p_WB - *expected[ball]).norm() / units[ball];
+        cost(i, j) = (candidate.detection.p_WB - *expected[sphere]).norm() / units[sphere];
     }
   }
   return assign(cost, gate);
@@ -56,31 +56,31 @@ double total_visible(const Sighting& sighting) {
 
 }  // namespace
 
-Tracker::Tracker(const Parameters& parameters, std::vector<BallModel> balls,
+Tracker::Tracker(const Parameters& parameters, std::vector<SphereModel> spheres,
                  std::vector<Camera*> cameras)
     : parameters_(parameters),
-      balls_(std::move(balls)),
+      spheres_(std::move(spheres)),
       cameras_(std::move(cameras)),
       tracking_(parameters.detector),
       searching_(for_search(parameters.detector)),
-      sightings_(balls_.size()) {
-  if (parameters.colours == BallColours::kSame || balls_.size() < 2) return;
+      sightings_(spheres_.size()) {
+  if (parameters.colours == ObjectColours::kSame || spheres_.size() < 2) return;
   std::vector<Eigen::Vector3d> colours;
-  for (const BallModel& ball : balls_) colours.push_back(ball.colour);
-  for (std::size_t i = 0; i < balls_.size(); ++i) keys_.emplace_back(colours, i);
+  for (const SphereModel& sphere : spheres_) colours.push_back(sphere.colour);
+  for (std::size_t i = 0; i < spheres_.size(); ++i) keys_.emplace_back(colours, i);
 }
 
 Expectation Tracker::expectation(std::size_t index, const Eigen::Vector3d& p_WB) const {
-  return {p_WB, balls_[index].radius, balls_[index].height};
+  return {p_WB, spheres_[index].radius, spheres_[index].height};
 }
 
 std::vector<Detection> Tracker::detect(CircleDetector& detector, const CameraModel& model,
-                                       std::size_t ball, const Roi& roi,
+                                       std::size_t sphere, const Roi& roi,
                                        const Expectation& expected, std::size_t most) {
-  // where only one ball can be seen, the first good circle is it
-  if (balls_.size() > 1 && keys_.empty())
+  // where only one sphere can be seen, the first good circle is it
+  if (spheres_.size() > 1 && keys_.empty())
     return detector.detect_all(model, image_, roi, expected, most);
-  if (!keys_.empty()) keys_[ball].extract(image_, channel_);
+  if (!keys_.empty()) keys_[sphere].extract(image_, channel_);
   const Detection detection =
       detector.detect(model, keys_.empty() ? image_ : channel_, roi, expected);
   if (!detection.found) return {};
@@ -91,7 +91,7 @@ void Tracker::look_with(std::size_t camera, std::int64_t exposure_ns, const Plac
                         const std::vector<bool>& wanted) {
   const CameraModel& model = cameras_[camera]->model();
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (!wanted[i] || !places[i]) continue;
     View& view = sightings_[i].views[camera];
     view = View{};
@@ -107,17 +107,17 @@ void Tracker::look_with(std::size_t camera, std::int64_t exposure_ns, const Plac
       const bool twice =
           keys_.empty() &&
           std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
-            return (other.detection.p_WB - detection.p_WB).norm() < balls_[i].radius;
+            return (other.detection.p_WB - detection.p_WB).norm() < spheres_[i].radius;
           });
       if (!twice) candidates.push_back({detection, keys_.empty() ? -1 : static_cast<int>(i)});
     }
   }
 
   std::vector<double> radii;
-  for (const BallModel& ball : balls_) radii.push_back(ball.radius);
-  // in radii, so that 1 is the gate of every ball
+  for (const SphereModel& sphere : spheres_) radii.push_back(sphere.radius);
+  // in radii, so that 1 is the gate of every sphere
   const std::vector<int> columns = nearest(candidates, places, radii, 1.0);
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (wanted[i] && columns[i] >= 0) {
       sightings_[i].views[camera].detection =
           candidates[static_cast<std::size_t>(columns[i])].detection;
@@ -129,7 +129,7 @@ void Tracker::look_around(std::int64_t exposure_ns, const Places& places,
                           const std::vector<bool>& wanted) {
   for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
     look_with(camera, exposure_ns, places, wanted);
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (!wanted[i] || !places[i]) continue;
     Sighting& sighting = sightings_[i];
     std::vector<CameraEstimate> estimates;
@@ -149,7 +149,7 @@ void Tracker::look_around(std::int64_t exposure_ns, const Places& places,
 
 Tracker::Places Tracker::search(std::int64_t exposure_ns,
                                 const std::vector<Prediction>& predictions) {
-  Places places(balls_.size());
+  Places places(spheres_.size());
   const std::size_t index = next_search_++ % cameras_.size();
   Camera& camera = *cameras_[index];
   const Roi roi = full_roi(camera.model(), parameters_.detector.search_binning);
@@ -161,7 +161,7 @@ Tracker::Places Tracker::search(std::int64_t exposure_ns,
     return places;
   }
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (sightings_[i].fusion.found) continue;
     const std::vector<Detection> seen = detect(searching_, camera.model(), i, roi,
                                                expectation(i, predictions[i].p_WB), kMostInImage);
@@ -169,24 +169,24 @@ Tracker::Places Tracker::search(std::int64_t exposure_ns,
       candidates.push_back({detection, keys_.empty() ? -1 : static_cast<int>(i)});
     if (keys_.empty()) break;  // the same circles for all
   }
-  // what another ball explains is not the missing one
+  // what another sphere explains is not the missing one
   const auto explained = [&](const Candidate& candidate) {
-    for (std::size_t i = 0; i < balls_.size(); ++i) {
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
       const bool blocks = candidate.only < 0 && sightings_[i].fusion.found;
       const double distance = (sightings_[i].fusion.p_WB - candidate.detection.p_WB).norm();
-      if (blocks && distance < 2.0 * kOverlap * balls_[i].radius) return true;
+      if (blocks && distance < 2.0 * kOverlap * spheres_[i].radius) return true;
     }
     return false;
   };
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), explained),
                    candidates.end());
-  Places expected(balls_.size());
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  Places expected(spheres_.size());
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (!sightings_[i].fusion.found) expected[i] = predictions[i].p_WB;
   }
   const std::vector<int> columns =
-      nearest(candidates, expected, std::vector<double>(balls_.size(), 1.0), kFarthest);
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+      nearest(candidates, expected, std::vector<double>(spheres_.size(), 1.0), kFarthest);
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (columns[i] >= 0)
       places[i] = candidates[static_cast<std::size_t>(columns[i])].detection.p_WB;
   }
@@ -194,17 +194,17 @@ Tracker::Places Tracker::search(std::int64_t exposure_ns,
 }
 
 void Tracker::drop_impossible(const std::vector<Prediction>& predictions) {
-  // balls are not inside each other: of two in one place, the better seen one is there
+  // spheres are not inside each other: of two in one place, the better seen one is there
   const auto merit = [&](std::size_t i) {
     const Sighting& s = sightings_[i];
     return std::make_tuple(s.fusion.cameras_used, total_visible(s),
                            -(s.fusion.p_WB - predictions[i].p_WB).norm());
   };
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!sightings_[i].fusion.found || !sightings_[j].fusion.found) continue;
       const double distance = (sightings_[i].fusion.p_WB - sightings_[j].fusion.p_WB).norm();
-      if (distance >= kOverlap * (balls_[i].radius + balls_[j].radius)) continue;
+      if (distance >= kOverlap * (spheres_[i].radius + spheres_[j].radius)) continue;
       Sighting& worse = sightings_[merit(i) > merit(j) ? j : i];
       worse.fusion.found = false;
       worse.fusion.cameras_used = 0;
@@ -216,9 +216,9 @@ void Tracker::drop_impossible(const std::vector<Prediction>& predictions) {
 const std::vector<Sighting>& Tracker::observe(std::int64_t exposure_ns,
                                               const std::vector<Prediction>& predictions) {
   searched_ = false;
-  Places places(balls_.size());
-  std::vector<bool> wanted(balls_.size());
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  Places places(spheres_.size());
+  std::vector<bool> wanted(spheres_.size());
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     sightings_[i] = Sighting{};
     sightings_[i].views.resize(cameras_.size());
     wanted[i] = predictions[i].known;
@@ -227,13 +227,13 @@ const std::vector<Sighting>& Tracker::observe(std::int64_t exposure_ns,
   look_around(exposure_ns, places, wanted);
   drop_impossible(predictions);
 
-  for (std::size_t i = 0; i < balls_.size(); ++i) wanted[i] = !sightings_[i].fusion.found;
+  for (std::size_t i = 0; i < spheres_.size(); ++i) wanted[i] = !sightings_[i].fusion.found;
   const bool any_missing = std::find(wanted.begin(), wanted.end(), true) != wanted.end();
   if (!any_missing || cameras_.empty()) return sightings_;
   // one full image per exposure: it costs as much time as all regions of interest together
   places = search(exposure_ns, predictions);
   bool any_place = false;
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
     if (wanted[i]) any_place = any_place || places[i].has_value();
     if (!wanted[i]) places[i] = sightings_[i].fusion.p_WB;
   }

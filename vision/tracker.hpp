@@ -1,6 +1,6 @@
 #pragma once
-// Several balls seen by several cameras: where to look, detection per camera, which detection is
-// which ball, fusion per ball.
+// Several spheres seen by several cameras: where to look, detection per camera, which detection is
+// which sphere, fusion per sphere.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -13,14 +13,14 @@
 
 namespace c3rt::vision {
 
-/// What is known of a ball before anyone looks.
-struct BallModel {
+/// What is known of a sphere before anyone looks.
+struct SphereModel {
   double radius;           // [m]
-  double height;           // of the centre of a ball that lies on the table, z in W [m]
+  double height;           // of the centre of a sphere that lies on the table, z in W [m]
   Eigen::Vector3d colour;  // red green blue in 0..1; used where Parameters::colours is kDistinct
 };
 
-/// Where a ball should be at an exposure.
+/// Where a sphere should be at an exposure.
 struct Prediction {
   Eigen::Vector3d p_WB;  // [m]
   bool known;            // false: p_WB is only the best guess, so the search starts at once
@@ -33,52 +33,53 @@ struct View {
   Detection detection;
 };
 
-/// One ball at one exposure.
+/// One sphere at one exposure.
 struct Sighting {
   Fusion fusion;
   std::vector<View> views;  // by camera
 };
 
-/// Finds each ball where it is expected, in a region of interest of each camera; for those that no
-/// camera sees there, searches the full image of one camera, another one at each exposure, and then
-/// looks again around what was found.
+/// Finds each sphere where it is expected, in a region of interest of each camera; for those that
+/// no camera sees there, searches the full image of one camera, another one at each exposure, and
+/// then looks again around what was found.
 ///
-/// Which circle is which ball: a detection belongs to a ball only within the ball's radius of where
-/// it is expected (two balls' centres are at least a diameter apart), each to at most one, by one
-/// assignment over all balls per camera. A ball that was lost takes a circle that no other ball
-/// explains. Balls of distinct colours are moreover sought each in its own colour.
+/// Which circle is which sphere: a detection belongs to a sphere only within the sphere's radius of
+/// where it is expected (two spheres' centres are at least a diameter apart), each to at most one,
+/// by one assignment over all spheres per camera. A sphere that was lost takes a circle that no
+/// other sphere explains. Spheres of distinct colours are moreover sought each in its own colour.
 class Tracker {
  public:
   /// @param cameras  outlive the tracker; asked in this order
   /// @throws std::invalid_argument if distinct colours are asked for and two are too much alike
-  Tracker(const Parameters& parameters, std::vector<BallModel> balls, std::vector<Camera*> cameras);
+  Tracker(const Parameters& parameters, std::vector<SphereModel> spheres,
+          std::vector<Camera*> cameras);
 
-  /// @param predictions  by ball
-  /// @return by ball; valid until the next call
+  /// @param predictions  by sphere
+  /// @return by sphere; valid until the next call
   const std::vector<Sighting>& observe(std::int64_t exposure_ns,
                                        const std::vector<Prediction>& predictions);
   /// A full image was read at the last exposure.
   bool searched() const { return searched_; }
 
  private:
-  using Places = std::vector<std::optional<Eigen::Vector3d>>;  // by ball; none: not to be seen
+  using Places = std::vector<std::optional<Eigen::Vector3d>>;  // by sphere; none: not to be seen
 
-  /// Looks for the balls of `wanted` about their places, with the other balls' places in mind.
+  /// Looks for the spheres of `wanted` about their places, with the other spheres' places in mind.
   void look_around(std::int64_t exposure_ns, const Places& places, const std::vector<bool>& wanted);
   void look_with(std::size_t camera, std::int64_t exposure_ns, const Places& places,
                  const std::vector<bool>& wanted);
-  /// One full image: a place for each missing ball that is in it.
+  /// One full image: a place for each missing sphere that is in it.
   Places search(std::int64_t exposure_ns, const std::vector<Prediction>& predictions);
   void drop_impossible(const std::vector<Prediction>& predictions);
-  /// Circles in image_ that may be that ball, the nearest to the expectation first.
+  /// Circles in image_ that may be that sphere, the nearest to the expectation first.
   std::vector<Detection> detect(CircleDetector& detector, const CameraModel& model,
-                                std::size_t ball, const Roi& roi, const Expectation& expected,
+                                std::size_t sphere, const Roi& roi, const Expectation& expected,
                                 std::size_t most);
   Expectation expectation(std::size_t index, const Eigen::Vector3d& p_WB) const;
 
   Parameters parameters_;
-  std::vector<BallModel> balls_;
-  std::vector<ColourKey> keys_;  // by ball; empty: all look alike
+  std::vector<SphereModel> spheres_;
+  std::vector<ColourKey> keys_;  // by sphere; empty: all look alike
   std::vector<Camera*> cameras_;
   CircleDetector tracking_, searching_;
   std::vector<Sighting> sightings_;

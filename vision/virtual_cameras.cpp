@@ -134,7 +134,7 @@ struct VirtualCameras::Implementation {
     }
     model = plant::build_model(scene_of(world));
     data.reset(mj_makeData(model.get()));
-    if (parameters.colours == BallColours::kSame) paint_all_alike();
+    if (parameters.colours == ObjectColours::kSame) paint_all_alike();
     int search_width = 1, search_height = 1;
     for (const CameraParameters& camera : parameters.cameras) {
       Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();

@@ -71,9 +71,9 @@ TEST_CASE("vision parameters: mistakes are refused by key") {
 }
 
 TEST_CASE("vision parameters: balls have distinct colours unless the scenario says otherwise") {
-  REQUIRE(load(kGood).colours == vision::BallColours::kDistinct);
-  REQUIRE(load(kGood + "ball_colours: same\n").colours == vision::BallColours::kSame);
-  REQUIRE_THROWS_WITH(load(kGood + "ball_colours: red\n"), Catch::Contains("ball_colours"));
+  REQUIRE(load(kGood).colours == vision::ObjectColours::kDistinct);
+  REQUIRE(load(kGood + "object_colours: same\n").colours == vision::ObjectColours::kSame);
+  REQUIRE_THROWS_WITH(load(kGood + "object_colours: red\n"), Catch::Contains("object_colours"));
 }
 
 TEST_CASE("vision parameters: only the emulated source can do without cameras") {

@@ -55,14 +55,14 @@ struct Outcome {
 };
 
 /// Follows the balls from their true places at time 0.
-Outcome follow(const Course& course, double duration, BallColours colours, double period,
+Outcome follow(const Course& course, double duration, ObjectColours colours, double period,
                int cameras = 3) {
   Parameters p = parameters();
   p.colours = colours;
   p.cameras.resize(static_cast<std::size_t>(cameras));
   const Moment start = course(0.0);
   VirtualCameras rig(world(start.balls), p, 1);
-  std::vector<BallModel> models;
+  std::vector<SphereModel> models;
   std::vector<Estimator> estimators;
   for (std::size_t i = 0; i < start.balls.size(); ++i) {
     models.push_back({kRadius, kTable + kRadius, plant::kBallColours.at(i)});
@@ -126,7 +126,7 @@ const Eigen::Vector2d kAlong(0, -1);  // the way of the line
 TEST_CASE(
     "several balls: in contact under the arm each is known within 1 mm at the 95th percentile, and "
     "none is taken for another") {
-  const BallColours colours = GENERATE(BallColours::kDistinct, BallColours::kSame);
+  const ObjectColours colours = GENERATE(ObjectColours::kDistinct, ObjectColours::kSame);
   // a row of three in contact and a fourth beside it, pushed together along the line
   const Course row = [](double time) {
     const Eigen::Vector2d first = Eigen::Vector2d(0.52, 0.16) + 0.1 * time * kAlong;
@@ -146,7 +146,7 @@ TEST_CASE(
 TEST_CASE(
     "several balls: one that passes closely behind and between the others keeps its name, as they "
     "do") {
-  const BallColours colours = GENERATE(BallColours::kDistinct, BallColours::kSame);
+  const ObjectColours colours = GENERATE(ObjectColours::kDistinct, ObjectColours::kSame);
   // two at rest with a gap as wide as a ball; a third rolls through it, along the view of the first
   // camera, then round them
   const Course through = [](double time) {
@@ -166,7 +166,7 @@ TEST_CASE(
 TEST_CASE(
     "several balls: one that the arm hides is said to be lost, not taken for its neighbour, and "
     "has its name again when it comes out") {
-  const BallColours colours = GENERATE(BallColours::kDistinct, BallColours::kSame);
+  const ObjectColours colours = GENERATE(ObjectColours::kDistinct, ObjectColours::kSame);
   // one camera: the first ball rolls behind the arm, the second rests where it comes out, the third
   // follows it as far as the arm
   const Course behind = [](double time) {

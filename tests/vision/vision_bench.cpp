@@ -21,7 +21,7 @@ const std::vector<Eigen::Vector2d> kPlaces = {
     {0.57, 0.02}, {0.57, 0.02 - 2 * kRadius}, {0.57, 0.02 - 4 * kRadius}};
 
 struct Rig {
-  explicit Rig(std::size_t balls, BallColours colours = BallColours::kDistinct)
+  explicit Rig(std::size_t balls, ObjectColours colours = ObjectColours::kDistinct)
       : parameters(load_parameters(config::Document::load(std::string(C3RT_SOURCE_DIRECTORY) +
                                                           "/tests/vision/three_cameras.yaml"))),
         cameras(make_world(balls), with(parameters, colours), 1),
@@ -36,12 +36,12 @@ struct Rig {
     }
     expose();
   }
-  static Parameters with(Parameters p, BallColours colours) {
+  static Parameters with(Parameters p, ObjectColours colours) {
     p.colours = colours;
     return p;
   }
-  static std::vector<BallModel> models(std::size_t balls) {
-    std::vector<BallModel> result;
+  static std::vector<SphereModel> models(std::size_t balls) {
+    std::vector<SphereModel> result;
     for (std::size_t i = 0; i < balls; ++i)
       result.push_back({kRadius, kRadius, plant::kBallColours.at(i)});
     return result;
@@ -128,7 +128,7 @@ void track_three_balls(benchmark::State& state) {
 }
 
 void track_three_balls_of_one_colour(benchmark::State& state) {
-  static Rig r(3, BallColours::kSame);
+  static Rig r(3, ObjectColours::kSame);
   observe(state, r, r.known);
 }
 
