@@ -51,18 +51,26 @@ Launch::Launch(const LaunchSettings& settings)
       out_(
           fs::absolute(settings.out.empty() ? new_folder(scenario_.name) : fs::path(settings.out))),
       bus_(bus_settings(settings)) {
-  const Instance self = instance(settings, scenario_.name, file_, bus_, out_);
-  lock_ = settings.any_domain
+  if (settings.in_process) {
+    bus_.exchange = wire::make_exchange();
+  } else {
+    lock_domain();
+  }
+  make_folder(out_ / "logs");
+  require_room(out_ / "logs");
+}
+
+void Launch::lock_domain() {
+  const Instance self = instance(settings_, scenario_.name, file_, bus_, out_);
+  lock_ = settings_.any_domain
               ? lock_any_domain(runtime_directory(), self)
-              : std::make_unique<DomainLock>(runtime_directory(), settings.domain, self);
+              : std::make_unique<DomainLock>(runtime_directory(), settings_.domain, self);
   bus_.domain = lock_->domain();
   for (const char* name : kProcesses) {
     const fs::path program = process_directory() / (std::string("c3rt-") + name);
     if (access(program.c_str(), X_OK) != 0)
       throw UsageError("there is no program " + program.string());
   }
-  make_folder(out_ / "logs");
-  require_room(out_ / "logs");
 }
 
 void Launch::require_free_bus() const {

@@ -19,6 +19,7 @@ struct LaunchSettings {
   std::string verb;      // "run", "up"
   std::string scenario;  // name or path
   bool lockstep = false;
+  bool in_process = false;  // the nodes in this process, in lockstep's order, without DDS
   std::uint64_t seed = 1;
   std::vector<std::string> overrides;  // "planner.rate_hz=75"
   std::string out;                     // empty: out/SCENARIO-DATE
@@ -56,9 +57,10 @@ class Launch {
   const config::Scenario& scenario() const { return scenario_; }
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
-  DomainLock& lock() { return *lock_; }
+  DomainLock& lock() { return *lock_; }  // none where the nodes are in this process
 
  private:
+  void lock_domain();
   ChildSpec spec_of(const std::string& name, bool recorded) const;
 
   LaunchSettings settings_;

@@ -53,7 +53,8 @@ struct LaunchOptions {
 
   LaunchSettings read(const std::string& verb) {
     settings.verb = verb;
-    settings.lockstep = clock_ == "lockstep";
+    if (settings.in_process) refuse_what_needs_a_bus();
+    settings.lockstep = settings.in_process || clock_ == "lockstep";
     settings.any_domain = domain_ == "any";
     if (settings.any_domain && verb != "run")
       throw UsageError("--domain any: only for c3rt run; a service is found by its number");
@@ -65,6 +66,10 @@ struct LaunchOptions {
 
   /// Of c3rt run alone.
   void add_results_to(CLI::App& command) {
+    command.add_flag(
+        "--in-process", settings.in_process,
+        "The same nodes in one process, in simulated time and without DDS: the samples "
+        "and the log_hash of --clock lockstep, many times sooner");
     command.add_flag("!--no-pictures", settings.pictures, "Draws nothing");
     command.add_flag("!--no-logs", settings.logs,
                      "Keeps no samples (log/TOPIC.csv): the report alone");
@@ -75,7 +80,8 @@ struct LaunchOptions {
   std::optional<ExampleSettings> read_example() const {
     const std::filesystem::path file = scenario_path(settings.scenario);
     if (!is_example(file)) return std::nullopt;
-    for (const char* option : {"--clock", "--domain", "--dds", "--no-pictures", "--no-logs"}) {
+    for (const char* option :
+         {"--clock", "--in-process", "--domain", "--dds", "--no-pictures", "--no-logs"}) {
       if (command_->count(option) > 0) {
         throw UsageError(
             fmt::format("{}: {} is a numerical example: it runs in this process, in its own time, "
@@ -103,6 +109,15 @@ struct LaunchOptions {
   }
 
  private:
+  void refuse_what_needs_a_bus() const {
+    for (const char* option : {"--domain", "--dds"}) {
+      if (command_->count(option) > 0)
+        throw UsageError(fmt::format("{}: --in-process runs without DDS", option));
+    }
+    if (command_->count("--clock") > 0 && clock_ != "lockstep")
+      throw UsageError("--clock realtime: --in-process runs in simulated time");
+  }
+
   CLI::App* command_ = nullptr;
   std::string clock_ = "realtime", domain_ = "0";
 };

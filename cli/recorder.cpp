@@ -16,7 +16,6 @@
 namespace c3rt::cli {
 namespace {
 
-constexpr std::int64_t kPeriod = 20'000'000;  // of the recorder in lockstep [ns]
 constexpr int kDepth = 1024;    // a second of the fastest topic may wait until it is taken
 constexpr double kStep = 1e-3;  // of the plant [s]
 
@@ -157,17 +156,39 @@ struct Recorder::Topics {
   std::uint64_t seq_first = 0, seq_last = 0;
 };
 
+struct Recorder::Seat {
+  Seat(const wire::BusSettings& settings, const std::filesystem::path& directory,
+       const task::Task& task)
+      : bus(settings), topics(bus, directory, task) {
+    bus.hold_until_promised();
+  }
+  wire::Bus bus;
+  Topics topics;
+};
+
 Recorder::Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory,
                    const Goal& goal)
     : settings_(bus), directory_(directory), goal_(goal) {
   if (!directory_.empty()) std::filesystem::create_directories(directory_);
-  thread_ = std::thread([this] { run(); });
+  if (bus.exchange != nullptr) {
+    seat_ = std::make_unique<Seat>(settings_, directory_, goal_.task);
+  } else {
+    thread_ = std::thread([this] { run(); });
+  }
 }
 
 Recorder::~Recorder() { stop(); }
 
 void Recorder::stop() {
   stop_.store(true);
+  if (seat_ != nullptr) {
+    {
+      const std::lock_guard lock(mutex_);
+      take_words(seat_->topics);  // the last ones
+    }
+    finish(seat_->topics);
+    seat_.reset();
+  }
   if (!thread_.joinable()) return;
   // in lockstep the thread may be waiting for a tick that never comes
   if (settings_.clock == wire::ClockMode::kLockstep) wire::StopFlag::request();
@@ -197,7 +218,7 @@ void Recorder::record() {
   wire::Bus bus(settings_);
   Topics topics(bus, directory_, goal_.task);
   if (settings_.clock == wire::ClockMode::kLockstep) {
-    wire::Loop loop(bus, {c3rt_v2_PROCESS_RECORDER, kPeriod});
+    wire::Loop loop(bus, {c3rt_v2_PROCESS_RECORDER, kPeriod_ns});
     std::int64_t now_ns = 0;
     while (!stop_.load() && !done_.load() && loop.wait(now_ns)) {
       if (take_all(topics, bus)) done_.store(true);
@@ -212,11 +233,30 @@ void Recorder::record() {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
+  finish(topics);
+}
+
+void Recorder::finish(Topics& topics) {
   topics.finish();
   log_hash_ = topics.hash().text();
   if (topics.wall_last > topics.wall_first) {
     real_time_factor_ = static_cast<double>(topics.seq_last - topics.seq_first) * kStep /
                         (topics.wall_last - topics.wall_first);
+  }
+}
+
+void Recorder::take(const wire::Sequences& newest) {
+  std::string missing;
+  if (!seat_->bus.wait_for(newest, 0, missing))
+    throw wire::WireError("recorder: a sample of " + missing + " did not arrive");
+  if (take_all(seat_->topics, seat_->bus)) done_.store(true);
+}
+
+void Recorder::take_words(Topics& topics) {
+  wire::ServiceStatus status{};
+  while (topics.status.take(status)) {
+    const auto process = static_cast<std::size_t>(status.process);
+    if (process < live_.services.size()) live_.services[process] = status;
   }
 }
 
@@ -257,13 +297,9 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   }
 
   std::vector<wire::RefusedCount> refused = bus.refusals();
-  wire::ServiceStatus status{};
   const std::lock_guard lock(mutex_);
   live_.refused = std::move(refused);
-  while (topics.status.take(status)) {
-    const auto process = static_cast<std::size_t>(status.process);
-    if (process < live_.services.size()) live_.services[process] = status;
-  }
+  take_words(topics);
   if (topics.recorded.of<wire::Scene>().any) {
     live_.any = true;
     live_.time = seconds(series_.scene.back().time_ns - start_ns(series_));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -47,13 +48,19 @@ double wall_time();
 
 class Recorder {
  public:
+  static constexpr std::int64_t kPeriod_ns = 20'000'000;  // in simulated time
   /// In lockstep the recorder is a process of its own in the plant's time and misses nothing; in
-  /// realtime it reads along. Starts a thread.
+  /// realtime it reads along. Starts a thread, but not on a bus within this process: there whoever
+  /// advances time calls take().
   /// @param directory of the log files, made here; empty: none
   Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal);
   ~Recorder();  // stop()
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
+
+  /// On a bus within this process, once per period.
+  /// @param newest what has been written
+  void take(const wire::Sequences& newest);
 
   /// The goal was reached: the task is done or the time is over. Recording has ended, in
   /// lockstep at a simulated time that does not depend on the machine.
@@ -70,8 +77,11 @@ class Recorder {
 
  private:
   struct Topics;
+  struct Seat;
   void run() noexcept;
   void record();
+  void finish(Topics& topics);
+  void take_words(Topics& topics);                      // of each process; mutex_ is held
   bool take_all(Topics& topics, const wire::Bus& bus);  // true when the goal is reached
 
   const wire::BusSettings settings_;
@@ -86,6 +96,7 @@ class Recorder {
   std::string failure_;
   std::atomic<bool> done_{false}, stop_{false};
   std::thread thread_;
+  std::unique_ptr<Seat> seat_;  // on a bus within this process
 };
 
 }  // namespace c3rt::cli

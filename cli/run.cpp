@@ -2,11 +2,15 @@
 
 #include <chrono>
 #include <cstdio>
+#include <memory>
 #include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
 
+#include "cli/in_process.hpp"
 #include "cli/paths.hpp"
 #include "cli/recorder.hpp"
 #include "cli/report/pictures.hpp"
@@ -20,6 +24,7 @@ namespace c3rt::cli {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr int kCyclesPerLook = 200;  // of a run in this process
 constexpr double kLongestSilence =
     60.0;  // of the plant, while the others start or a tick is worked on [s]
 
@@ -65,6 +70,32 @@ Ending watch(Supervisor& supervisor, const Recorder& recorder, LiveTable& table)
   return ending;
 }
 
+/// The same with the nodes in this process.
+Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, LiveTable& table) {
+  const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(
+      (launch.out() / "logs" / "in-process.log").string(), true);
+  spdlog::logger log("in-process", sink);
+  Ending ending;
+  try {
+    InProcess nodes(launch.scenario(), seed, launch.bus(),
+                    [&log](wire::Process process, bool attention, const std::string& said) {
+                      log.log(attention ? spdlog::level::warn : spdlog::level::info, "{}: {}",
+                              wire::process_name(process), said);
+                    });
+    nodes.join(Recorder::kPeriod_ns,
+               [&recorder](const wire::Sequences& newest) { recorder.take(newest); });
+    for (int cycle = 0; !recorder.done() && !ending.interrupted; ++cycle) {
+      ending.interrupted = wire::StopFlag::requested();
+      nodes.advance();
+      if (cycle % kCyclesPerLook == 0) table.update(recorder.live());
+    }
+  } catch (const std::exception& error) {
+    ending.failed = ending.details = error.what();
+  }
+  table.finish(recorder.live());
+  return ending;
+}
+
 Spread spread_of(const wire::Quantiles& quantiles) {
   if (quantiles.count == 0) return {};
   return {quantiles.p50_s, quantiles.p95_s, quantiles.p99_s, quantiles.max_s};
@@ -98,25 +129,26 @@ int run(const LaunchSettings& settings) {
   std::vector<Limit> limits;
   for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
 
-  fmt::print("c3rt run {} ({}, seed {}): {}\n", scenario.name, settings.clock_name(), settings.seed,
-             scenario.description);
+  fmt::print("c3rt run {} ({}{}, seed {}): {}\n", scenario.name, settings.clock_name(),
+             settings.in_process ? " in one process" : "", settings.seed, scenario.description);
   fmt::print("results in {}\n", launch.out().string());
   std::fflush(stdout);
 
   // of a task that is done once every object counts
   const int course_goal =
       task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.balls.size());
-  launch.require_free_bus();
+  if (!settings.in_process) launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
                     {task, scenario.task.loops, scenario.task.duration_s});
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
       task.unit(), course_goal, scenario.task.duration_s);
-  launch.start(supervisor, true);
-  const Ending ending = watch(supervisor, recorder, table);
-  const Live live = recorder.live();
+  if (!settings.in_process) launch.start(supervisor, true);
+  const Ending ending = settings.in_process ? run_here(launch, settings.seed, recorder, table)
+                                            : watch(supervisor, recorder, table);
   recorder.stop();
+  const Live live = recorder.live();
   const std::vector<std::string> killed = supervisor.stop();
   for (const std::string& name : killed)
     fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
@@ -144,7 +176,7 @@ int run(const LaunchSettings& settings) {
   } else {
     report.result = met ? "passed" : "criteria not met";
   }
-  launch.lock().set_ended(report.result);
+  if (!settings.in_process) launch.lock().set_ended(report.result);
   try {
     write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
   } catch (const std::exception& error) {

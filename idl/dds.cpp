@@ -13,6 +13,7 @@
 #include <sched.h>
 
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/exchange.hpp"
 #include "idl/one_writer.hpp"
 #include "idl/peers.hpp"
 #include "idl/qos.hpp"
@@ -201,14 +202,19 @@ Entity::~Entity() {
 }
 
 struct Bus::Implementation {
-  explicit Implementation(const BusSettings& s)
-      : settings(s),
-        session(s.session_id),
-        domain(s.domain, s.profile_uri),
-        participant(created(dds_create_participant(s.domain, nullptr, nullptr),
-                            "a participant in DDS domain " + std::to_string(s.domain))),
-        waiter(participant.handle(), "the bus"),
-        peers(participant.handle()) {}
+  explicit Implementation(const BusSettings& s) : settings(s), session(s.session_id) {
+    if (s.exchange != nullptr) {
+      if (s.clock == ClockMode::kRealtime)
+        throw WireError("a bus within one process has no clock but lockstep's");
+      identity = s.exchange->identity();
+      return;
+    }
+    domain.emplace(s.domain, s.profile_uri);
+    participant = created(dds_create_participant(s.domain, nullptr, nullptr),
+                          "a participant in DDS domain " + std::to_string(s.domain));
+    waiter.emplace(participant.handle(), "the bus");
+    peers.emplace(participant.handle());
+  }
 
   void add(const Endpoint& endpoint) {
     const std::lock_guard lock(endpoints_mutex);
@@ -239,14 +245,17 @@ struct Bus::Implementation {
   std::atomic<std::uint64_t> session;
   std::array<std::atomic<std::uint64_t>, c3rt_v2_TOPIC_COUNT> written{};
   bool held_back = false;
-  Domain domain;
+  std::uint64_t identity = 0;  // within one process
+  // of DDS alone
+  std::optional<Domain> domain;
   Entity participant;
-  Waiter waiter;
+  std::optional<Waiter> waiter;
+  std::optional<Peers> peers;
+
   std::vector<ReaderBase*> readers;  // those that wake the bus
   std::mutex endpoints_mutex;
   std::vector<Endpoint> endpoints;
   std::vector<const ReaderBase*> all_readers;  // under the same mutex
-  Peers peers;
 };
 
 Bus::Bus(const BusSettings& settings) {
@@ -264,8 +273,9 @@ std::uint64_t Bus::session_id() const noexcept {
 void Bus::adopt_session(std::uint64_t id) noexcept { implementation_->adopt(id, kRobotState); }
 
 std::vector<PeerProblem> Bus::problems() const {
+  if (!implementation_->peers) return {};
   const std::lock_guard lock(implementation_->endpoints_mutex);
-  return implementation_->peers.problems(implementation_->endpoints);
+  return implementation_->peers->problems(implementation_->endpoints);
 }
 
 std::vector<RefusedCount> Bus::refusals() const {
@@ -292,10 +302,12 @@ std::vector<RefusedCount> Bus::refusals() const {
 void Bus::wait_for_data(std::int64_t timeout_ns) {
   int arrived = 0;
   for (ReaderBase* reader : implementation_->readers) arrived += reader->pump();
-  if (arrived == 0) implementation_->waiter.wait(timeout_ns);
+  if (arrived == 0 && implementation_->waiter) implementation_->waiter->wait(timeout_ns);
 }
 
-void Bus::wake() noexcept { implementation_->waiter.interrupt(); }
+void Bus::wake() noexcept {
+  if (implementation_->waiter) implementation_->waiter->interrupt();
+}
 
 bool Bus::wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::string& missing) {
   const std::int64_t deadline_ns = rt::now_ns() + timeout_ns;
@@ -310,11 +322,12 @@ bool Bus::wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::st
     }
     if (behind == nullptr) return true;
     const std::int64_t left_ns = deadline_ns - rt::now_ns();
-    if (left_ns <= 0) {
+    // within one process nothing is on its way
+    if (left_ns <= 0 || !implementation_->waiter) {
       missing = behind->topic_.name;
       return false;
     }
-    implementation_->waiter.wait(left_ns);
+    implementation_->waiter->wait(left_ns);
   }
 }
 
@@ -328,20 +341,34 @@ void Bus::newest_written(Sequences& newest_seq) const noexcept {
 }
 
 WriterBase::WriterBase(Bus& bus, const Topic& topic, std::optional<Process> addressee)
-    : bus_(bus),
-      topic_(topic),
-      topic_entity_(created(
-          dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
-          std::string("topic ") + topic.name)),
-      writer_(created(dds_create_writer(bus.participant(), topic_entity_.handle(),
-                                        writer_qos(topic, bus.clock(), addressee).get(), nullptr),
-                      std::string("the writer of ") + topic.name)) {
+    : bus_(bus), topic_(topic), exchange_(bus.implementation_->settings.exchange.get()) {
+  if (exchange_ != nullptr) {
+    identity_ = exchange_->identity();
+    exchange_->add_writer(topic_, identity_);
+    // one that comes after another goes on counting: what was promised of a stream stays behind it
+    if (topic.stream != kNoStream) seq_ = bus.implementation_->written[topic.stream].load();
+    return;
+  }
+  const std::string name = topic.name;
+  topic_entity_ =
+      created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
+              "topic " + name);
+  writer_ = created(dds_create_writer(bus.participant(), topic_entity_.handle(),
+                                      writer_qos(topic, bus.clock(), addressee).get(), nullptr),
+                    "the writer of " + name);
   bus.implementation_->add({&topic_, writer_.handle(), true});
 }
 
-WriterBase::~WriterBase() { bus_.implementation_->remove(writer_.handle()); }
+WriterBase::~WriterBase() {
+  if (exchange_ != nullptr) {
+    exchange_->remove_writer(topic_, identity_);
+  } else {
+    bus_.implementation_->remove(writer_.handle());
+  }
+}
 
 int WriterBase::matched_readers() const {
+  if (exchange_ != nullptr) return exchange_->readers(topic_);
   dds_publication_matched_status_t status{};
   dds_get_publication_matched_status(writer_.handle(), &status);
   return static_cast<int>(status.current_count);
@@ -352,7 +379,11 @@ bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t t
   header.session_id = bus_.session_id();
   header.seq = seq;
   header.time_ns = time_ns;
-  if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) return false;
+  if (exchange_ != nullptr) {
+    exchange_->put(topic_, sample, {identity_, bus_.implementation_->identity});
+  } else if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) {
+    return false;
+  }
   seq_.store(seq);
   if (topic_.stream != kNoStream) bus_.implementation_->written[topic_.stream].store(seq);
   return true;
@@ -369,7 +400,8 @@ struct ReaderBase::Source {
 
 struct ReaderBase::Implementation {
   Implementation(const Bus& bus, const Topic& of)
-      : one_writer(silence_ns(bus, of),
+      : topic_of(of),
+        one_writer(silence_ns(bus, of),
                    // no stranger enters a run that shall give the same bits every time
                    bus.clock() == ClockMode::kLockstep ? kProcessStrength
                                                        : std::numeric_limits<std::int32_t>::min()) {
@@ -390,7 +422,24 @@ struct ReaderBase::Implementation {
   dds_instance_handle_t taken_from = 0;
   static constexpr int kSources = 32;
 
-  Source& source_of(dds_instance_handle_t writer, std::uint64_t session) noexcept {
+  /// The next sample that has arrived. @return false if there is none
+  bool next(void* sample, Sender& sender) noexcept {
+    if (exchange != nullptr) return exchange->take(*inbox, sample, sender);
+    dds_sample_info_t info;
+    while (dds_take(reader.handle(), &sample, &info, 1, 1) == 1) {
+      if (!info.valid_data) continue;  // a writer came or went
+      sender = {info.publication_handle, 0};
+      return true;
+    }
+    return false;
+  }
+  Owner owner(const Sender& sender) const noexcept {
+    return exchange != nullptr ? Owner{sender.bus, kProcessStrength}
+                               : owner_of(reader.handle(), sender.writer);
+  }
+
+  Source& source_of(const Sender& sender, std::uint64_t session) noexcept {
+    const std::uint64_t writer = sender.writer;
     for (Source& source : sources) {
       if (source.writer != writer) continue;
       if (source.session != session) source = {writer, session, source.owner};
@@ -400,19 +449,29 @@ struct ReaderBase::Implementation {
     // unnoticed
     Source& source = sources[next_source];
     next_source = (next_source + 1) % kSources;
-    source = {writer, session, owner_of(reader.handle(), writer)};
+    source = {writer, session, owner(sender)};
     return source;
+  }
+  bool is_matched(std::uint64_t writer) const noexcept {
+    return exchange != nullptr ? exchange->has_writer(topic_of, writer)
+                               : wire::is_matched(reader.handle(), writer);
   }
   bool leader_is_there() const noexcept {
     return std::any_of(sources.begin(), sources.end(), [this](const Source& source) {
       return source.writer != 0 && source.owner.participant == one_writer.leader() &&
-             is_matched(reader.handle(), source.writer);
+             is_matched(source.writer);
     });
   }
   Entry& entry(int i) noexcept { return entries[static_cast<std::size_t>((head + i) % capacity)]; }
 
+  const Topic& topic_of;
+  // within one process
+  Exchange* exchange = nullptr;
+  std::unique_ptr<Inbox> inbox;
+  // of DDS
   Entity topic, reader, condition;
   std::unique_ptr<Waiter> waiter;  // Wakes::kItself
+
   OneWriter one_writer;
   std::array<Source, kSources> sources{};
   int next_source = 0;
@@ -452,44 +511,61 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
   self.capacity = kept + 1;
   self.entries.resize(static_cast<std::size_t>(self.capacity));
   for (int i = 0; i < self.capacity; ++i) self.entries[static_cast<std::size_t>(i)].slot = i;
-  const std::string name = topic.name;
-  self.topic =
-      created(dds_create_topic(bus.participant(), topic.descriptor, topic.name, nullptr, nullptr),
-              "topic " + name);
-  self.reader =
-      created(dds_create_reader(bus.participant(), self.topic.handle(),
-                                reader_qos(topic, bus.clock(), kept, addressee).get(), nullptr),
-              "the reader of " + name);
-  self.condition = created(dds_create_readcondition(self.reader.handle(), DDS_ANY_STATE),
-                           "the read condition of " + name);
+  self.exchange = bus.implementation_->settings.exchange.get();
+  if (self.exchange != nullptr) {
+    self.inbox = std::make_unique<Inbox>(topic);
+    self.exchange->add_reader(*self.inbox);
+  } else {
+    join_dds(kept, wakes, addressee);
+  }
   if (wakes == Wakes::kBus) {
-    bus.implementation_->waiter.attach(self.condition);
     bus.implementation_->readers.push_back(this);
     if (bus.implementation_->held_back && topic.stream != kNoStream) self.allowed = 0;
-  } else {
-    self.waiter = std::make_unique<Waiter>(bus.participant(), "the reader of " + name);
-    self.waiter->attach(self.condition);
   }
-  bus.implementation_->add({&topic_, self.reader.handle(), false});
   const std::lock_guard lock(bus.implementation_->endpoints_mutex);
   bus.implementation_->all_readers.push_back(this);
 }
 
+void ReaderBase::join_dds(int depth, Wakes wakes, std::optional<Process> addressee) {
+  Implementation& self = *implementation_;
+  const std::string name = topic_.name;
+  self.topic = created(
+      dds_create_topic(bus_.participant(), topic_.descriptor, topic_.name, nullptr, nullptr),
+      "topic " + name);
+  self.reader =
+      created(dds_create_reader(bus_.participant(), self.topic.handle(),
+                                reader_qos(topic_, bus_.clock(), depth, addressee).get(), nullptr),
+              "the reader of " + name);
+  self.condition = created(dds_create_readcondition(self.reader.handle(), DDS_ANY_STATE),
+                           "the read condition of " + name);
+  if (wakes == Wakes::kBus) {
+    bus_.implementation_->waiter->attach(self.condition);
+  } else {
+    self.waiter = std::make_unique<Waiter>(bus_.participant(), "the reader of " + name);
+    self.waiter->attach(self.condition);
+  }
+  bus_.implementation_->add({&topic_, self.reader.handle(), false});
+}
+
 ReaderBase::~ReaderBase() {
   Implementation& self = *implementation_;
-  bus_.implementation_->remove(self.reader.handle());
   {
     const std::lock_guard lock(bus_.implementation_->endpoints_mutex);
     auto& all = bus_.implementation_->all_readers;
     all.erase(std::remove(all.begin(), all.end(), this), all.end());
   }
-  if (self.waiter != nullptr) {
-    self.waiter->detach(self.condition);
-    return;
-  }
-  bus_.implementation_->waiter.detach(self.condition);
   auto& readers = bus_.implementation_->readers;
   readers.erase(std::remove(readers.begin(), readers.end(), this), readers.end());
+  if (self.exchange != nullptr) {
+    self.exchange->remove_reader(*self.inbox);
+    return;
+  }
+  bus_.implementation_->remove(self.reader.handle());
+  if (self.waiter != nullptr) {
+    self.waiter->detach(self.condition);
+  } else {
+    bus_.implementation_->waiter->detach(self.condition);
+  }
 }
 
 ReaderCounters ReaderBase::counters() const noexcept {
@@ -501,25 +577,32 @@ ReaderCounters ReaderBase::counters() const noexcept {
 }
 
 int ReaderBase::matched_writers() const {
+  if (implementation_->exchange != nullptr) return implementation_->exchange->writers(topic_);
   dds_subscription_matched_status_t status{};
   dds_get_subscription_matched_status(implementation_->reader.handle(), &status);
   return static_cast<int>(status.current_count);
 }
 
 int ReaderBase::alive_writers() const {
+  if (implementation_->exchange != nullptr) return matched_writers();
   dds_liveliness_changed_status_t status{};
   dds_get_liveliness_changed_status(implementation_->reader.handle(), &status);
   return static_cast<int>(status.alive_count);
 }
 
 std::uint64_t ReaderBase::missed_deadlines() const {
+  if (implementation_->exchange != nullptr) return 0;
   dds_requested_deadline_missed_status_t status{};
   dds_get_requested_deadline_missed_status(implementation_->reader.handle(), &status);
   return status.total_count;
 }
 
-void ReaderBase::wait(std::int64_t timeout_ns) { implementation_->waiter->wait(timeout_ns); }
-void ReaderBase::interrupt() noexcept { implementation_->waiter->interrupt(); }
+void ReaderBase::wait(std::int64_t timeout_ns) {
+  if (implementation_->waiter) implementation_->waiter->wait(timeout_ns);
+}
+void ReaderBase::interrupt() noexcept {
+  if (implementation_->waiter) implementation_->waiter->interrupt();
+}
 
 void ReaderBase::allow(std::uint64_t seq) noexcept {
   if (topic_.stream != kNoStream) implementation_->allowed = seq;
@@ -571,12 +654,11 @@ void ReaderBase::refuse(const Refusal& refusal, const Header& header,
   finding.expected = bus_.session_id();
   if (finding.writer == source.writer) return;
   finding.writer = source.writer;
-  const Peers& peers = bus_.implementation_->peers;
-  finding.from = peers.name_of_writer(self.reader.handle(), source.writer);
+  finding.from = name_of_writer(source.writer);
   finding.obeyed = "a process of the run alone";
   for (const Source& other : self.sources) {
     if (other.writer != 0 && other.owner.participant == self.one_writer.leader())
-      finding.obeyed = peers.name_of_writer(self.reader.handle(), other.writer);
+      finding.obeyed = name_of_writer(other.writer);
   }
 }
 
@@ -606,12 +688,10 @@ int ReaderBase::pump() noexcept {
   while (true) {
     // the entry behind the last one owns a free slot
     const int slot = self.entry(self.count).slot;
-    void* sample = sample_at(slot);
-    dds_sample_info_t info;
-    if (dds_take(self.reader.handle(), &sample, &info, 1, 1) != 1) break;
-    if (!info.valid_data) continue;  // a writer came or went
+    Sender sender{};
+    if (!self.next(sample_at(slot), sender)) break;
     const Header& header = header_at(slot);
-    Source& source = self.source_of(info.publication_handle, header.session_id);
+    Source& source = self.source_of(sender, header.session_id);
     const std::int64_t now_ns = realtime ? rt::now_ns() : 0;
     const std::int64_t latest_ns = realtime && bus_.implementation_->settings.shares_clock
                                        ? now_ns + kAhead_ns
@@ -644,7 +724,7 @@ int ReaderBase::pump() noexcept {
     entry.source = static_cast<int>(&source - self.sources.data());
     entry.session = header.session_id;
     entry.seq = header.seq;
-    entry.writer = info.publication_handle;
+    entry.writer = sender.writer;
     ++self.count;
     ++fresh;
     ++accepted;
@@ -704,7 +784,9 @@ void ReaderBase::pop() noexcept {
 
 std::uint64_t ReaderBase::taken_from() const noexcept { return implementation_->taken_from; }
 std::string ReaderBase::name_of_writer(std::uint64_t writer) const {
-  return bus_.implementation_->peers.name_of_writer(implementation_->reader.handle(), writer);
+  const Peers* const peers = bus_.implementation_->peers ? &*bus_.implementation_->peers : nullptr;
+  return peers == nullptr ? "this process"
+                          : peers->name_of_writer(implementation_->reader.handle(), writer);
 }
 
 }  // namespace c3rt::wire

@@ -1,6 +1,6 @@
 #pragma once
 // The one layer over Cyclone DDS: participant, writer, reader. Only files of idl/ include
-// <dds/...>.
+// <dds/...>. Within one process the same bus goes without DDS (BusSettings::exchange).
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -32,6 +32,11 @@ class ProfileError : public WireError {
 
 enum class ClockMode { kRealtime, kLockstep };
 
+class Exchange;
+/// For buses of this process alone: samples go from writer to reader under the same rules, without
+/// DDS. A reader gets what is written while it exists.
+std::shared_ptr<Exchange> make_exchange();
+
 struct BusSettings {
   std::uint32_t domain = 0;
   std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's
@@ -41,6 +46,9 @@ struct BusSettings {
   /// This process has the clock that the samples' times are of. A client on another host has not,
   /// and then no sample is refused for lying ahead.
   bool shares_clock = true;
+  /// Not DDS, but the buses of this process with the same exchange; lockstep alone, and domain and
+  /// profile mean nothing.
+  std::shared_ptr<Exchange> exchange;
 };
 
 /// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every
@@ -142,6 +150,8 @@ class WriterBase {
  private:
   Bus& bus_;
   const Topic& topic_;
+  Exchange* exchange_;  // nullptr: DDS
+  std::uint64_t identity_ = 0;
   Entity topic_entity_, writer_;
   std::atomic<std::uint64_t> seq_{0};
 };
@@ -228,6 +238,7 @@ class ReaderBase {
   friend class Bus;
   struct Implementation;
   struct Source;
+  void join_dds(int depth, Wakes wakes, std::optional<Process> addressee);
   /// Whether the sample is let in as far as its writer and its session go.
   Reason judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept;
   void refuse(const Refusal& refusal, const Header& header, const Source& source) noexcept;

@@ -8,7 +8,6 @@
 #include <thread>
 #include <vector>
 
-#include <mujoco/mujoco.h>
 #include <spdlog/spdlog.h>
 
 #include "config/process_options.hpp"
@@ -146,9 +145,6 @@ int run(int argc, char** argv) {
 }  // namespace c3rt::plant
 
 int main(int argc, char** argv) try {
-  // what MuJoCo warns about becomes a named error of the robot; it shall not write a log file of
-  // its own
-  mju_user_warning = [](const char*) {};
   return c3rt::plant::run(argc, argv);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "c3rt-plant: %s\n", error.what());

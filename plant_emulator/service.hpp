@@ -26,6 +26,7 @@ class Service {
   void step(std::int64_t at_ns, std::int64_t now_ns) noexcept;
   /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
   void serve(std::int64_t now_ns);
+  const Node& node() const noexcept { return node_; }
 
  private:
   void obey(const Order& order) noexcept;

@@ -61,6 +61,8 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/node
 files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(service|servo)[.]" idl controller/base
     controller/rt controller/scene controller/model)
 files_may("^vision/scene_source[.]" idl controller/scene)
+# all nodes in one process
+files_may("^cli/in_process[.]" controller/impedance controller/model vision)
 files_may("_main[.]cpp$" config idl controller/base controller/rt)
 
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.

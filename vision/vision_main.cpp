@@ -4,7 +4,6 @@
 #include <exception>
 #include <string>
 
-#include <opencv2/core/utility.hpp>
 #include <spdlog/spdlog.h>
 
 #include "config/process_options.hpp"
@@ -50,8 +49,6 @@ int run(int argc, char** argv) {
       exit_status);
   if (!options) return exit_status;
   const wire::StopFlag stop;
-  // one thread is faster than two that wait for each other on images this small
-  cv::setNumThreads(1);
   const config::Scenario scenario =
       config::load_scenario(options->scenario_path, options->overrides);
   const Parameters& parameters = scenario.vision;

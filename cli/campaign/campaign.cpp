@@ -19,7 +19,7 @@ std::vector<RunSpec> specs(const Settings& settings) {
   std::vector<RunSpec> all;
   for (const std::uint64_t seed : parse_seeds(settings.seeds)) {
     all.push_back({fmt::format("seed-{:04}", seed), settings.scenario, seed, settings.overrides,
-                   settings.duration, settings.logs, settings.pictures});
+                   settings.duration, settings.logs, settings.pictures, settings.in_process});
   }
   return all;
 }

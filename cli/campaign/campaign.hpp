@@ -17,6 +17,7 @@ struct Settings {
   std::string out;                     // empty: out/campaign-SCENARIO
   bool fresh = false;
   bool logs = false, pictures = false;
+  bool in_process = false;       // each run in one process
   std::string engine = "local";  // or "dask"
   std::string address;           // of Dask's scheduler; empty: a cluster of its own on this machine
 };

@@ -29,6 +29,8 @@ inline void add_options(CLI::App& command, Settings& settings) {
                    "settings and programs are kept");
   command.add_flag("--logs", settings.logs, "Keeps the samples of each run (0.7 MB a second)");
   command.add_flag("--pictures", settings.pictures, "Draws the pictures of each run");
+  command.add_flag("--in-process", settings.in_process,
+                   "Each run in one process without DDS: the same figures many times sooner");
   command
       .add_option("--engine", settings.engine,
                   "local, or dask: workers on this or on other machines")

@@ -46,7 +46,11 @@ std::vector<std::string> overrides_of(const RunSpec& spec, bool is_example) {
 std::vector<std::string> words(const RunSpec& spec, const fs::path& file, bool is_example) {
   std::vector<std::string> all{file.string(), fmt::format("--seed={}", spec.seed)};
   if (!is_example) {
-    all.insert(all.end(), {"--clock=lockstep", "--domain=any"});
+    if (spec.in_process) {
+      all.emplace_back("--in-process");
+    } else {
+      all.insert(all.end(), {"--clock=lockstep", "--domain=any"});
+    }
     if (!spec.logs) all.emplace_back("--no-logs");
     if (!spec.pictures) all.emplace_back("--no-pictures");
   }
@@ -147,6 +151,10 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
   for (const RunSpec& spec : specs) {
     const fs::path file = scenario_path(spec.scenario);
     const bool example = is_example(file);
+    if (example && spec.in_process) {
+      throw UsageError("--in-process: " + spec.scenario +
+                       " is a numerical example, which runs in one process anyway");
+    }
     auto [whole, is_new] = scenarios.try_emplace(file.string());
     if (is_new) whole->second = hash(config::whole_scenario(file.string()));
     const std::vector<std::string> overrides = overrides_of(spec, example);
@@ -156,8 +164,10 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
     plan.result.spec = spec;
     plan.result.spec.example = example;
     plan.result.folder = fs::absolute(settings.folder) / spec.name;
-    plan.key = {{"scenario", whole->second}, {"overrides", overrides},    {"seed", spec.seed},
-                {"logs", spec.logs},         {"pictures", spec.pictures}, {"programs", program}};
+    plan.key = {{"scenario", whole->second}, {"overrides", overrides},
+                {"seed", spec.seed},         {"logs", spec.logs},
+                {"pictures", spec.pictures}, {"in_process", spec.in_process},
+                {"programs", program}};
     plan.job = {spec.name, words(spec, file, example), plan.result.folder};
     plans.push_back(plan);
   }
@@ -198,8 +208,8 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
 }
 
 std::string replay_command(const RunSpec& spec) {
-  std::string text = "c3rt run " + spec.scenario + (spec.example ? "" : " --clock lockstep") +
-                     fmt::format(" --seed {}", spec.seed);
+  const char* how = spec.example ? "" : spec.in_process ? " --in-process" : " --clock lockstep";
+  std::string text = "c3rt run " + spec.scenario + how + fmt::format(" --seed {}", spec.seed);
   if (spec.duration) text += fmt::format(" --duration {}", *spec.duration);
   for (const std::string& assignment : spec.overrides) {
     // what a shell would take apart

@@ -25,7 +25,8 @@ struct RunSpec {
   std::optional<double> duration = {};      // [s]; nothing: the scenario's
   bool logs = false;                        // log/TOPIC.csv, too
   bool pictures = false;
-  bool example = false;  // a numerical example; run_all fills it in
+  bool in_process = false;  // in one process, without DDS; else with four processes
+  bool example = false;     // a numerical example; run_all fills it in
 };
 
 struct RunResult {

@@ -8,6 +8,8 @@ namespace c3rt::impedance {
 
 namespace {
 
+constexpr std::uint64_t kPollsPerQuantiles = 5;
+
 c3rt_v2_ServiceState state_of(const Snapshot& snapshot) {
   switch (snapshot.mode) {
     case Mode::kWait:
@@ -130,6 +132,8 @@ void Service::update_counters() {
   states_lost_ = servo_.states_lost();
   plans_lost_ = servo_.plans_lost();
   commands_failed_ = servo_.commands_failed();
+  // they cost more than a cycle, and a status goes out ten times a second
+  if (polls_++ % kPollsPerQuantiles != 0) return;
   const rt::Quantiles age = servo_.state_to_command().snapshot();
   state_to_command_p50_ = static_cast<std::uint64_t>(std::max(age.p50_s, 0.0) * 1e9);
   state_to_command_p95_ = static_cast<std::uint64_t>(std::max(age.p95_s, 0.0) * 1e9);

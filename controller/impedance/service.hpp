@@ -35,6 +35,7 @@ class Service {
   wire::Endpoint& endpoint_;
   Snapshot snapshot_;
   std::string text_;
+  std::uint64_t polls_ = 0;
 
   std::atomic<std::uint64_t>&missed_cycles_, &stale_plan_events_, &plans_other_session_,
       &plans_invalid_, &workspace_clamps_, &plan_clamps_, &torque_clamps_, &torque_rate_clamps_,

@@ -18,6 +18,7 @@ class Service {
   /// One period: what is in effect at now_ns is taken, and a plan is sent.
   void step(std::int64_t now_ns);
   std::string summary() const;  // for the log
+  const Node& node() const noexcept { return node_; }
 
  private:
   void take(std::int64_t now_ns);

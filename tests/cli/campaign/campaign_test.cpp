@@ -60,6 +60,7 @@ TEST_CASE("mistakes in a campaign are usage errors before anything is started") 
         {"circle_fast --set planner.no_such_key=1", "planner.no_such_key"},
         {"circle_fast --address tcp://a:1", "--engine dask"},
         {"circle_fast --jobs 0", "--jobs"},
+        {"cart_pole --in-process", "numerical example"},
         {"circle_fast --engine ray", "--engine"}}) {
     CAPTURE(arguments);
     const Outcome outcome = campaign(folder, arguments);
@@ -103,6 +104,18 @@ TEST_CASE("two seeds at once: a report each, one table, and the same bits as alo
   CHECK(campaign(other, kShort + "--seeds 2 --jobs 1 --logs").status == 1);
   CHECK(read(other.path() / "seed-0002" / "report.json").at("log_hash") == two.at("log_hash"));
   CHECK(fs::exists(other.path() / "seed-0002" / "log" / "sim_scene.csv"));
+}
+
+TEST_CASE("each run in one process gives the bits of four in lockstep") {
+  const Folder apart, together;
+  CHECK(campaign(apart, kShort + "--seeds 3").status == 1);
+  const Outcome outcome = campaign(together, kShort + "--seeds 3,4 --jobs 2 --in-process");
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.output, Contains("c3rt run circle_fast --in-process --seed "));
+  CHECK(read(together.path() / "seed-0003" / "report.json").at("log_hash") ==
+        read(apart.path() / "seed-0003" / "report.json").at("log_hash"));
+  // nobody else was started
+  CHECK_FALSE(fs::exists(together.path() / "seed-0003" / "logs" / "plant.log"));
 }
 
 TEST_CASE("a run whose process fails is status 3, with the end of its log, and is made again") {

@@ -1,0 +1,77 @@
+#include "idl/exchange.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "idl/dds.hpp"
+
+namespace c3rt::wire {
+
+std::shared_ptr<Exchange> make_exchange() { return std::make_shared<Exchange>(); }
+
+void Exchange::add_reader(Inbox& inbox) {
+  const std::lock_guard lock(mutex_);
+  of(inbox.topic_).readers.push_back(&inbox);
+}
+
+void Exchange::remove_reader(const Inbox& inbox) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Inbox*>& readers = of(inbox.topic_).readers;
+  readers.erase(std::remove(readers.begin(), readers.end(), &inbox), readers.end());
+}
+
+std::uint64_t Exchange::identity() {
+  const std::lock_guard lock(mutex_);
+  return ++identities_;
+}
+
+void Exchange::add_writer(const Topic& topic, std::uint64_t writer) {
+  const std::lock_guard lock(mutex_);
+  of(topic).writers.push_back(writer);
+}
+
+void Exchange::remove_writer(const Topic& topic, std::uint64_t writer) {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t>& writers = of(topic).writers;
+  writers.erase(std::remove(writers.begin(), writers.end(), writer), writers.end());
+}
+
+bool Exchange::has_writer(const Topic& topic, std::uint64_t writer) {
+  const std::lock_guard lock(mutex_);
+  const std::vector<std::uint64_t>& writers = of(topic).writers;
+  return std::find(writers.begin(), writers.end(), writer) != writers.end();
+}
+
+int Exchange::readers(const Topic& topic) {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(of(topic).readers.size());
+}
+
+int Exchange::writers(const Topic& topic) {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(of(topic).writers.size());
+}
+
+void Exchange::put(const Topic& topic, const void* sample, const Sender& sender) {
+  const std::lock_guard lock(mutex_);
+  const char* bytes = static_cast<const char*>(sample);
+  for (Inbox* inbox : of(topic).readers) {
+    inbox->samples_.insert(inbox->samples_.end(), bytes, bytes + inbox->size_);
+    inbox->senders_.push_back(sender);
+  }
+}
+
+bool Exchange::take(Inbox& inbox, void* sample, Sender& sender) {
+  const std::lock_guard lock(mutex_);
+  if (inbox.taken_ == inbox.senders_.size()) return false;
+  std::memcpy(sample, inbox.samples_.data() + inbox.taken_ * inbox.size_, inbox.size_);
+  sender = inbox.senders_[inbox.taken_++];
+  if (inbox.taken_ == inbox.senders_.size()) {
+    inbox.taken_ = 0;
+    inbox.samples_.clear();
+    inbox.senders_.clear();
+  }
+  return true;
+}
+
+}  // namespace c3rt::wire

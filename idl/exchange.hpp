@@ -1,0 +1,62 @@
+#pragma once
+// Carries samples between the buses of one process, where DDS would be too slow: simulated time
+// goes as fast as the processor does.
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "idl/topics.hpp"
+
+namespace c3rt::wire {
+
+/// Whose a sample is.
+struct Sender {
+  std::uint64_t writer, bus;
+};
+
+/// Samples of one topic on their way to one reader.
+class Inbox {
+ public:
+  explicit Inbox(const Topic& topic) : topic_(topic), size_(topic.descriptor->m_size) {}
+
+ private:
+  friend class Exchange;
+  const Topic& topic_;
+  const std::size_t size_;  // of a sample [bytes]
+  std::vector<char> samples_;
+  std::vector<Sender> senders_;  // one for each sample
+  std::size_t taken_ = 0;
+};
+
+/// What is put is there at once, for every reader that exists. From any thread.
+class Exchange {
+ public:
+  void add_reader(Inbox& inbox);
+  void remove_reader(const Inbox& inbox);
+  /// A number that nobody else has.
+  std::uint64_t identity();
+  void add_writer(const Topic& topic, std::uint64_t writer);
+  void remove_writer(const Topic& topic, std::uint64_t writer);
+  bool has_writer(const Topic& topic, std::uint64_t writer);
+  int readers(const Topic& topic);
+  int writers(const Topic& topic);
+
+  void put(const Topic& topic, const void* sample, const Sender& sender);
+  /// The oldest that was not taken. @return false, and `sample` untouched, if there is none
+  bool take(Inbox& inbox, void* sample, Sender& sender);
+
+ private:
+  struct OfTopic {
+    std::vector<Inbox*> readers;
+    std::vector<std::uint64_t> writers;
+  };
+  OfTopic& of(const Topic& topic) { return topics_[topic.descriptor]; }
+
+  std::mutex mutex_;
+  std::uint64_t identities_ = 0;
+  std::map<const dds_topic_descriptor_t*, OfTopic> topics_;
+};
+
+}  // namespace c3rt::wire
