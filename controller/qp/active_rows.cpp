@@ -7,7 +7,6 @@ using Eigen::VectorXd;
 
 constexpr double kWorst = 0.85;         // of a run's largest violation: held
 constexpr double kWorstAtAnEnd = 0.95;  // the same where it is the first or last of the run
-constexpr int kLongRun = 4;             // in shorter ones the forces at both ends mix
 
 }  // namespace
 
@@ -52,11 +51,6 @@ ActiveRows::Corrections ActiveRows::correct(const VectorXd& value, const VectorX
     ++made.released;
   }
   for (int i = 0; i < n; ++i) {
-    if (before_[i] == held_[i] || before_[i] == Held::kNo) continue;
-    shorten_run(i, -1, multiplier, made);
-    shorten_run(i, 1, multiplier, made);
-  }
-  for (int i = 0; i < n; ++i) {
     const int earlier = rows_.beside(i, -1);
     if (violated_[i] == Held::kNo || is(violated_, earlier, violated_[i])) continue;
     hold_run(i, value, made);
@@ -67,25 +61,6 @@ ActiveRows::Corrections ActiveRows::correct(const VectorXd& value, const VectorX
 /// Whether a row, if there is one (−1: no), is of this kind.
 bool ActiveRows::is(const std::vector<Held>& rows, int row, Held kind) const noexcept {
   return row >= 0 && row < rows_.count() && rows[row] == kind;
-}
-
-/// Lets go of more than the end of a run of held rows, where that end pulls the wrong way hard
-/// beside its neighbour: a run that is L stages too long does so at its end alone, with about
-/// 0.4 L − 0.1 times the force of the next (measured where a bound on a position holds).
-void ActiveRows::shorten_run(int end, int step, const VectorXd& multiplier,
-                             Corrections& made) noexcept {
-  const Held side = before_[end];
-  int next = rows_.beside(end, step);
-  if (is(before_, rows_.beside(end, -step), side)) return;
-  int length = 1;
-  for (int i = next; is(held_, i, side); i = rows_.beside(i, step)) ++length;
-  if (length < kLongRun) return;
-  const double too_long = -2.5 * multiplier[end] / multiplier[next] + 0.25;
-  for (int more = 2; more <= too_long && more < length; ++more) {
-    held_[next] = Held::kNo;
-    ++made.released;
-    next = rows_.beside(next, step);
-  }
 }
 
 /// Holds rows of the run of violated ones that begins here: from held rows beside it on up to the

@@ -53,8 +53,6 @@ class ActiveRows {
   static constexpr double kTolerance = 1e-10;  // of bounds and of signs of multipliers
 
   bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
-  void shorten_run(int end, int step, const Eigen::VectorXd& multiplier,
-                   Corrections& made) noexcept;
   void hold_run(int first, const Eigen::VectorXd& value, Corrections& made) noexcept;
 
   const QpRows& rows_;
