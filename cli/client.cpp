@@ -16,8 +16,9 @@
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "config/scenario.hpp"
+#include "controller/planner/target.hpp"
 #include "controller/rt/periodic_clock.hpp"
-#include "controller/task/circle.hpp"
+#include "idl/convert.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
 
@@ -141,23 +142,6 @@ wire::FaultScope fault_scope(const config::Scenario& scenario) {
   return scope;
 }
 
-wire::TaskTarget to_wire(const planner::Target& target) {
-  wire::TaskTarget sample{};
-  if (const auto* circle = std::get_if<task::Circle>(&target)) {
-    sample.kind = c3rt_v2_TARGET_CIRCLE;
-    std::copy_n(circle->center.data(), 2, sample.center_m);
-    sample.radius_m = circle->radius;
-    sample.lead_rad = circle->lead;
-  } else if (const auto* to = std::get_if<planner::PointTarget>(&target)) {
-    sample.kind = c3rt_v2_TARGET_POINT;
-    std::copy_n(to->point.data(), 2, sample.center_m);
-  } else {
-    sample.kind = std::holds_alternative<planner::HoldTarget>(target) ? c3rt_v2_TARGET_HOLD
-                                                                      : c3rt_v2_TARGET_SCENARIO;
-  }
-  return sample;
-}
-
 }  // namespace
 
 wire::BusSettings bus_settings(const Seat& seat) {
@@ -221,13 +205,17 @@ int inject(const Seat& seat, wire::FaultInject fault) {
   return ask(seat, fault, fault.process);
 }
 
-int set_target(const Seat& seat, const planner::Target& target) {
-  if (const auto scenario = running_scenario(seat)) {
-    const planner::TargetVerdict verdict =
-        planner::check(target, planner::target_limits(scenario->planner));
-    if (!verdict.ok()) throw UsageError("target: " + verdict.sentence);
+int set_target(const Seat& seat, const task::Request& request) {
+  const auto scenario = running_scenario(seat);
+  try {
+    const planner::Target target = planner::load_target(request);
+    const std::string refused =
+        scenario ? planner::refusal(target, planner::target_limits(scenario->planner)) : "";
+    if (!refused.empty()) throw task::RequestError(refused);
+    return ask(seat, wire::task_target(request), c3rt_v2_PROCESS_PLANNER);
+  } catch (const task::RequestError& error) {
+    throw UsageError(std::string("target: ") + error.what());
   }
-  return ask(seat, to_wire(target), c3rt_v2_PROCESS_PLANNER);
 }
 
 }  // namespace c3rt::cli

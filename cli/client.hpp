@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/planner/target.hpp"
+#include "controller/task/request.hpp"
 #include "idl/dds.hpp"
 
 namespace c3rt::cli {
@@ -40,7 +40,7 @@ int request(const Seat& seat, const std::vector<wire::Process>& processes,
 int inject(const Seat& seat, wire::FaultInject fault);
 
 /// Asks the planner for a new target, and for its answer. @return an exit status: 1 if it refuses
-/// @throws UsageError for what the scenario that runs cannot reach
-int set_target(const Seat& seat, const planner::Target& target);
+/// @throws UsageError for what no planner knows, or the scenario that runs cannot reach
+int set_target(const Seat& seat, const task::Request& request);
 
 }  // namespace c3rt::cli

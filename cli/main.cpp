@@ -27,7 +27,7 @@
 #include "cli/scenario.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
-#include "controller/task/circle.hpp"
+#include "controller/task/request.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
 
@@ -67,6 +67,7 @@ std::vector<std::string> process_names() {
 // what no scenario can have; the process that is asked knows its own limits
 constexpr double kFarthest = 1e3;  // [m], [N s], [deg]
 constexpr int kMostCameras = 64;
+constexpr int kMostGoals = 32;
 constexpr long long kMostLines = 1'000'000'000;
 
 /// Everything that the command line can hold; chosen() is what it asked for.
@@ -199,45 +200,110 @@ class CommandLine {
     fault(parent, "none", "Ends every fault of a process", c3rt_v2_FAULT_NONE, std::nullopt);
   }
 
-  CLI::App* target(CLI::App& parent, const std::string& name, const std::string& description,
-                   std::function<planner::Target()> wanted) {
-    CLI::App* added = command(parent, name, description, [this, wanted = std::move(wanted)] {
-      return cli::set_target(seat_, wanted());
+  /// @param wanted its parameters, by the keys of a scenario's section `task`
+  CLI::App* target(CLI::App& parent, const std::string& kind, const std::string& description,
+                   std::function<std::vector<task::Parameter>()> wanted) {
+    CLI::App* added = command(parent, kind, description, [this, kind, wanted = std::move(wanted)] {
+      return cli::set_target(seat_, {kind, wanted()});
     });
     add_seat(*added, seat_);
     return added;
   }
 
+  /// An option of numbers.
+  static CLI::Option* numbers(CLI::App& command, const std::string& name,
+                              std::vector<double>& values, const std::string& description) {
+    return command.add_option(name, values, description)
+        ->check(cli::number(-kFarthest, kFarthest))
+        ->capture_default_str();
+  }
+  static CLI::Option* number(CLI::App& command, const std::string& name, double& value,
+                             const std::string& description) {
+    return command.add_option(name, value, description)
+        ->check(cli::number(-kFarthest, kFarthest))
+        ->capture_default_str();
+  }
+  static std::vector<double> radians(std::vector<double> degrees) {
+    for (double& angle : degrees) angle *= kDegree;
+    return degrees;
+  }
+
   void add_targets() {
     CLI::App& parent = *group(app_, "target", "Gives the planner another task");
     parent.require_subcommand(1);
+    add_circle(parent);
+    add_path(parent);
+    add_line(parent);
+    add_pose(parent);
+    target(parent, "hold", "Brings the ball to rest and leaves it",
+           [] { return std::vector<task::Parameter>{}; });
+    target(parent, "scenario", "Back to the scenario's own task",
+           [] { return std::vector<task::Parameter>{}; });
+  }
+
+  void add_circle(CLI::App& parent) {
     CLI::App* circle = target(parent, "circle", "A circle on the table", [this] {
-      return task::Circle{{position_m_[0], position_m_[1]}, radius_m_, lead_deg_ * kDegree};
+      return std::vector<task::Parameter>{{"center_m", position_m_, ""},
+                                          {"radius_m", {radius_m_}, ""},
+                                          {"lead_rad", {lead_deg_ * kDegree}, ""}};
     });
-    circle->add_option("--center", position_m_, "x and y [m]")
-        ->expected(2)
-        ->check(cli::number(-kFarthest, kFarthest))
-        ->capture_default_str();
+    numbers(*circle, "--center", position_m_, "x and y [m]")->expected(2);
     circle->add_option("--radius", radius_m_, "[m]")
         ->check(cli::number(0.0, kFarthest))
         ->capture_default_str();
-    circle
-        ->add_option("--lead-deg", lead_deg_,
-                     "How far ahead the target runs; positive is clockwise from above")
-        ->check(cli::number(-kFarthest, kFarthest))
+    number(*circle, "--lead-deg", lead_deg_,
+           "How far ahead the target runs; positive is clockwise from above");
+  }
+
+  void add_path(CLI::App& parent) {
+    CLI::App* path = target(parent, "path", "Along way-points in time, over and over", [this] {
+      return std::vector<task::Parameter>{{"points_m", points_m_, ""},
+                                          {"interval_s", {interval_s_}, ""},
+                                          {"between", {}, held_ ? "hold" : "interpolate"},
+                                          {"lead_s", {lead_s_}, ""},
+                                          {"preview", {held_ ? 0.0 : 1.0}, ""}};
+    });
+    numbers(*path, "points", points_m_, "x and y of each way-point [m]")->required();
+    number(*path, "--interval", interval_s_, "From one to the next [s]");
+    number(*path, "--lead", lead_s_, "Aims at where the ball should be so much later [s]");
+    path->add_flag("--held", held_, "Jumps from one to the next instead of moving between them");
+  }
+
+  void add_line(CLI::App& parent) {
+    CLI::App* line = target(parent, "line", "All balls along a line of constant x", [this] {
+      return std::vector<task::Parameter>{{"x_m", {x_m_}, ""},
+                                          {"step_m", {step_m_}, ""},
+                                          {"y_end_m", {y_end_m_}, ""},
+                                          {"spacing_m", {spacing_m_}, ""}};
+    });
+    number(*line, "--x", x_m_, "Of the line [m]");
+    number(*line, "--step", step_m_, "Of y at a time; its sign is the direction [m]");
+    number(*line, "--end", y_end_m_, "y where a ball has arrived [m]");
+    number(*line, "--spacing", spacing_m_, "Of the places past the end [m]");
+  }
+
+  void add_pose(CLI::App& parent) {
+    CLI::App* pose =
+        target(parent, "pose", "An object is brought there, or from goal to goal", [this] {
+          std::vector<task::Parameter> given{{"goals_m", points_m_, ""},
+                                             {"position_tolerance_m", {tolerance_m_}, ""},
+                                             {"hold_s", {hold_s_}, ""},
+                                             {"object", {static_cast<double>(index_)}, ""}};
+          if (!yaws_deg_.empty()) {
+            given.push_back({"yaws_rad", radians(yaws_deg_), ""});
+            given.push_back({"angle_tolerance_rad", {angle_deg_ * kDegree}, ""});
+          }
+          return given;
+        });
+    numbers(*pose, "goals", points_m_, "x and y of each goal [m]")->required();
+    numbers(*pose, "--yaw-deg", yaws_deg_, "Its angle about z, of all goals or of each")
+        ->expected(1, kMostGoals);
+    number(*pose, "--tolerance", tolerance_m_, "Distance at which it is there [m]");
+    number(*pose, "--angle-tolerance-deg", angle_deg_, "And angle, where --yaw-deg is given");
+    number(*pose, "--hold", hold_s_, "It has to stay there for so long [s]");
+    pose->add_option("--object", index_, "Which object")
+        ->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1))
         ->capture_default_str();
-    target(parent, "point", "The ball is brought there and kept there",
-           [this] {
-             return planner::PointTarget{{position_m_[0], position_m_[1]}};
-           })
-        ->add_option("position", position_m_, "x and y [m]")
-        ->expected(2)
-        ->check(cli::number(-kFarthest, kFarthest))
-        ->required();
-    target(parent, "hold", "Brings the ball to rest and leaves it",
-           [] { return planner::HoldTarget{}; });
-    target(parent, "scenario", "Back to the scenario's own task",
-           [] { return planner::ScenarioTarget{}; });
   }
 
   void add_tools() {
@@ -343,6 +409,11 @@ class CommandLine {
   std::vector<double> position_m_{0.55, 0.0};
   double radius_m_ = 0.1;
   double lead_deg_ = 20.0;
+  std::vector<double> points_m_, yaws_deg_;
+  double interval_s_ = 2.0, lead_s_ = 0.0;
+  bool held_ = false;
+  double x_m_ = 0.55, step_m_ = -0.02, y_end_m_ = -0.1, spacing_m_ = 0.08;
+  double tolerance_m_ = 0.01, angle_deg_ = 10.0, hold_s_ = 1.0;
   std::string problem_, out_, scenario_;
   std::vector<std::string> overrides_;
   cli::BenchSettings bench_;

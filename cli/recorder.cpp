@@ -28,8 +28,11 @@ SceneRow row_of(const wire::Scene& sample) {
   row.time_ns = sample.header.time_ns;
   row.exposure = sample.exposure;
   row.object_count = std::min(static_cast<int>(sample.object_count), kMaxObjects);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(row.object_count); ++i)
+  for (std::size_t i = 0; i < static_cast<std::size_t>(row.object_count); ++i) {
+    const double(&q)[4] = sample.objects[i].q_WB;
     row.p_WB[i] = vector(sample.objects[i].p_WB_m);
+    row.q_WB[i] = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  }
   return row;
 }
 

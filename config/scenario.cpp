@@ -15,12 +15,16 @@ namespace {
 class TaskSection final : public task::Source {
  public:
   explicit TaskSection(Section& section) : section_(section) {}
+  bool has(const std::string& key) override { return section_.has(key); }
   double number(const std::string& key, double min, double max) override {
     return section_.number(key, {min, max});
   }
   bool boolean(const std::string& key) override { return section_.boolean(key); }
   Eigen::VectorXd numbers(const std::string& key, int size, double min, double max) override {
     return section_.numbers(key, size, {min, max});
+  }
+  Eigen::VectorXd one_or_each(const std::string& key, int size, double min, double max) override {
+    return section_.one_or_each(key, size, {min, max});
   }
   Eigen::MatrixXd rows(const std::string& key, int min_rows, int max_rows, int columns, double min,
                        double max) override {
@@ -38,7 +42,7 @@ class TaskSection final : public task::Source {
   Section& section_;
 };
 
-Task load_task(Section section) {
+Task load_task(Section& section) {
   TaskSection source(section);
   Task task{task::load(source), 1, 0.0};
   if (task.motion.repeats()) task.loops = section.integer("loops", {1, 100000});
@@ -46,28 +50,19 @@ Task load_task(Section section) {
   return task;
 }
 
-std::vector<Criterion> load_criteria(std::vector<Section> sections) {
+/// What any run can be judged by, whatever its task.
+const char* const kCriteria[] = {
+    "in_band_2cm",          "in_band_1cm",          "longest_excursion_s", "largest_excursion_m",
+    "ended_in_band",        "path_error_rms_m",     "path_error_p95_m",    "path_error_max_m",
+    "tracking_error_p95_m", "tracking_error_max_m", "vision_error_p95_m"};
+
+std::vector<Criterion> load_criteria(std::vector<Section> sections, const task::Task& task) {
+  std::vector<std::string> names = task.criteria();
+  names.insert(names.end(), std::begin(kCriteria), std::end(kCriteria));
   std::vector<Criterion> criteria;
   for (Section& section : sections) {
     Criterion criterion;
-    const std::initializer_list<std::pair<const char*, const char*>> names = {
-        {"loops_completed", "loops_completed"},
-        {"max_loop_time_s", "max_loop_time_s"},
-        {"in_band_2cm", "in_band_2cm"},
-        {"in_band_1cm", "in_band_1cm"},
-        {"longest_excursion_s", "longest_excursion_s"},
-        {"largest_excursion_m", "largest_excursion_m"},
-        {"ended_in_band", "ended_in_band"},
-        {"path_error_rms_m", "path_error_rms_m"},
-        {"path_error_p95_m", "path_error_p95_m"},
-        {"path_error_max_m", "path_error_max_m"},
-        {"balls_arrived", "balls_arrived"},
-        {"arrival_error_max_m", "arrival_error_max_m"},
-        {"end_error_max_m", "end_error_max_m"},
-        {"tracking_error_p95_m", "tracking_error_p95_m"},
-        {"tracking_error_max_m", "tracking_error_max_m"},
-        {"vision_error_p95_m", "vision_error_p95_m"}};
-    criterion.name = section.choice<const char*>("name", names);
+    criterion.name = names[static_cast<std::size_t>(section.choice("name", names))];
     if (section.has("min")) criterion.min = section.number("min", {-1e9, 1e9});
     if (section.has("max")) criterion.max = section.number("max", {-1e9, 1e9});
     if (!criterion.min && !criterion.max)
@@ -88,8 +83,9 @@ Scenario read_scenario(Section root) {
   scenario.service = load_service(root);
   scenario.name = root.name("name");
   scenario.description = root.text("description");
-  scenario.task = load_task(root.section("task"));
-  scenario.criteria = load_criteria(root.list("criteria", 0, 16));
+  Section task = root.section("task");
+  scenario.task = load_task(task);
+  scenario.criteria = load_criteria(root.list("criteria", 0, 16), scenario.task.motion);
   Section timing = root.section("timing");
   scenario.timing.solve_time_s = timing.number("solve_time_s", {0, 1});
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
@@ -98,6 +94,11 @@ Scenario read_scenario(Section root) {
   scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
                                               static_cast<int>(scenario.plant.world.balls.size()));
   scenario.vision = vision::load_parameters(root.section("vision"));
+  const std::optional<task::Goal> goal = scenario.task.motion.goal({});
+  if (goal && goal->body >= scenario.planner.model.bodies) {
+    task.fail("object", "one of the scenario's " + std::to_string(scenario.planner.model.bodies),
+              "object " + std::to_string(goal->body));
+  }
   root.finish();
   scenario.plant.recovers_alone = scenario.service.recovery == Recovery::kAutomatic;
   return scenario;

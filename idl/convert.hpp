@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 
 #include "controller/scene/scene.hpp"
+#include "controller/task/request.hpp"
+#include "idl/text.hpp"
 #include "idl/topics.hpp"
 
 namespace c3rt::wire {
@@ -14,7 +16,7 @@ namespace c3rt::wire {
 static_assert(c3rt_v2_MAX_OBJECTS == scene::kMaxBodies,
               "the wire has room for every body of a scene");
 
-// all of them RT: no heap, no lock, no throw
+// all of motion RT: no heap, no lock, no throw
 
 template <std::size_t n>
 Eigen::Matrix<double, static_cast<int>(n), 1> vector(const double (&values)[n]) noexcept {
@@ -60,6 +62,42 @@ scene::Body body(const Sample& sample) noexcept {
   body.v_WB = vector(sample.v_WB_m_per_s);
   body.omega_WB = vector(sample.omega_rad_per_s);
   return body;
+}
+
+/// A client's task, of a sample that was let in.
+inline task::Request request(const TaskTarget& sample) {
+  task::Request request{sample.kind, {}};
+  for (int i = 0; i < sample.parameter_count; ++i) {
+    const c3rt_v2_TargetParameter& parameter = sample.parameters[i];
+    const double* values = parameter.values;
+    request.parameters.push_back(
+        {parameter.name, {values, values + parameter.value_count}, parameter.word});
+  }
+  return request;
+}
+
+/// The same the other way. @throws task::RequestError where the wire has no room for it
+inline TaskTarget task_target(const task::Request& request) {
+  TaskTarget sample{};
+  set_text(sample.kind, request.kind);
+  const auto most = [](std::size_t count, long room, const std::string& what) {
+    if (count > static_cast<std::size_t>(room))
+      throw task::RequestError(what + ": expected at most " + std::to_string(room) + ", got " +
+                               std::to_string(count));
+    return static_cast<std::int32_t>(count);
+  };
+  sample.parameter_count =
+      most(request.parameters.size(), c3rt_v2_MAX_TARGET_PARAMETERS, "parameters");
+  for (int i = 0; i < sample.parameter_count; ++i) {
+    const task::Parameter& parameter = request.parameters[static_cast<std::size_t>(i)];
+    c3rt_v2_TargetParameter& out = sample.parameters[i];
+    set_text(out.name, parameter.name);
+    set_text(out.word, parameter.word);
+    out.value_count =
+        most(parameter.values.size(), c3rt_v2_MAX_TARGET_VALUES, "numbers of " + parameter.name);
+    std::copy(parameter.values.begin(), parameter.values.end(), out.values);
+  }
+  return sample;
 }
 
 }  // namespace c3rt::wire

@@ -32,6 +32,7 @@ constexpr double kPixels = 1e5;
 constexpr int kCameras = 64;
 constexpr double kLongestPlan_s = 10.0;  // a plan is an answer to what was just seen
 constexpr double kLongest_s = 3600.0;    // of a fault, a target's lead time
+constexpr double kTargetValue = 1e6;     // of any unit
 constexpr double kAnything = std::numeric_limits<double>::max();
 constexpr double kLargestSequence = 9007199254740992.0;  // 2^53: 285,000 years at 1 kHz
 
@@ -343,9 +344,13 @@ void check_ranges(const ObjectEstimate& s, Check& check) noexcept {
 
 // what this robot can reach is the planner's to say; here is what no planner could do
 void check_ranges(const TaskTarget& s, Check& check) noexcept {
-  check.size("center_m", s.center_m, kObjectSeen_m)
-      .size("radius_m", s.radius_m, kObjectSeen_m)
-      .size("lead_rad", s.lead_rad, 100.0);
+  check.within("parameter_count", s.parameter_count, 0, c3rt_v2_MAX_TARGET_PARAMETERS);
+  const int parameters = check.finding() ? 0 : static_cast<int>(s.parameter_count);
+  for (int i = 0; i < parameters; ++i) {
+    const c3rt_v2_TargetParameter& parameter = s.parameters[i];
+    check.within("parameters.value_count", parameter.value_count, 0, c3rt_v2_MAX_TARGET_VALUES, i)
+        .size("parameters.values", parameter.values, kTargetValue);
+  }
 }
 
 void check_ranges(const Scene& s, Check& check) noexcept {

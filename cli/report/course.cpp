@@ -9,7 +9,8 @@ void Course::add(double elapsed, const SceneRow& row) {
   if (row.object_count == 0) return;
   bodies_.clear();
   for (int i = 0; i < row.object_count; ++i)
-    bodies_.emplace_back(row.p_WB[static_cast<std::size_t>(i)].head<2>());
+    bodies_.emplace_back(row.p_WB[static_cast<std::size_t>(i)].head<2>(),
+                         row.q_WB[static_cast<std::size_t>(i)]);
   progress_->add(elapsed, bodies_);
 }
 

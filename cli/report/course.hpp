@@ -24,7 +24,7 @@ class Course {
 
  private:
   std::unique_ptr<task::Progress> progress_;
-  std::vector<Eigen::Vector2d> bodies_;
+  std::vector<task::Placement> bodies_;
 };
 
 /// The largest distance of an object to where it should be [m]; kNone without objects.

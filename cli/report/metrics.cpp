@@ -167,6 +167,7 @@ void add_course(const Series& series, const task::Task& task,
   figures.loops_completed = course.progress().completed();
   figures.loop_times = course.progress().times();
   figures.turns = course.progress().amount();
+  figures.task = course.progress().results();
   for (int object = 0; object < objects; ++object)
     figures.objects.push_back(object_figures(series, task, object, *start_ns, 0.0));
   if (task.arrived(task.middle())) {
@@ -200,13 +201,15 @@ void add_criteria(const std::vector<Limit>& limits, Figures& figures) {
     if (name == "path_error_rms_m") return figures.judged.rms_error;
     if (name == "path_error_p95_m") return figures.judged.p95_error;
     if (name == "path_error_max_m") return figures.judged.max_error;
-    if (name == "balls_arrived") return figures.unit == "balls" ? figures.turns : kNone;
     if (name == "arrival_error_max_m")
       return largest(figures.objects, &ObjectFigures::arrival_error);
     if (name == "end_error_max_m") return largest(figures.objects, &ObjectFigures::end_error);
     if (name == "tracking_error_p95_m") return figures.tracking_error.p95;
     if (name == "tracking_error_max_m") return figures.tracking_error.max;
     if (name == "vision_error_p95_m") return figures.vision_error.p95;
+    for (const auto& [own, value] : figures.task) {
+      if (name == own) return value;
+    }
     return kNone;
   };
   figures.criteria = judge(limits, value_of);

@@ -62,8 +62,9 @@ struct Figures {
   int loops_completed = 0;    // circles, rounds of a path; 1 when all objects are at a line's end
   double turns = 0.0;         // task::Progress::amount()
   std::string unit;           // of turns: circles, rounds, objects
-  std::vector<double> loop_times;      // [s]
-  std::vector<ObjectFigures> objects;  // from the start of the task
+  std::vector<double> loop_times;                    // [s]
+  std::vector<std::pair<std::string, double>> task;  // task::Progress::results()
+  std::vector<ObjectFigures> objects;                // from the start of the task
   ObjectFigures judged;  // what criteria look at: the worst object's, when it has settled
   // judged by other readings of the task, by their names
   std::vector<std::pair<std::string, ObjectFigures>> readings;

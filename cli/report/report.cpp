@@ -23,6 +23,11 @@ std::string shown(const Spread& spread, double per_unit, int digits) {
                      shown(spread.p95, per_unit, digits), shown(spread.max, per_unit, digits));
 }
 
+std::string words_of(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 ordered_json to_json(const ObjectFigures& object) {
   return {{"rms_error_m", number(object.rms_error)},
           {"p95_error_m", number(object.p95_error)},
@@ -94,6 +99,8 @@ ordered_json to_json(const Report& report) {
   for (const ObjectFigures& object : figures.objects) objects.push_back(to_json(object));
   ordered_json path;  // null but for a task in time
   for (const auto& [name, reading] : figures.readings) path[name] = to_json(reading);
+  ordered_json task;  // null but for a task with figures of its own
+  for (const auto& [name, value] : figures.task) task[name] = number(value);
   return {
       {"scenario", report.scenario},
       {"seed", report.seed},
@@ -103,6 +110,7 @@ ordered_json to_json(const Report& report) {
       {"criteria", to_json(figures.criteria)},
       {"loops_completed", figures.loops_completed},
       {"loop_times_s", figures.loop_times},
+      {"task", task},
       {"objects", objects},
       {"judged", to_json(figures.judged)},
       {"path", path},
@@ -154,6 +162,8 @@ std::string summary(const Report& report) {
   line(figures.unit.c_str(),
        fmt::format("{:.2f}{}", figures.turns,
                    loop_times.empty() ? "" : ", done in" + loop_times + " s"));
+  for (const auto& [name, value] : figures.task)
+    line(words_of(name).c_str(), std::isfinite(value) ? fmt::format("{:.4g}", value) : "-");
   for (const ObjectFigures& object : figures.objects) line("object to path", shown(object));
   if (const std::string out = shown(figures.out_of_band); !out.empty()) line("out of 2 cm", out);
   if (figures.unit == "balls") {
@@ -163,11 +173,7 @@ std::string summary(const Report& report) {
                        shown(object.arrived_after, 1, 1), shown(object.arrival_error, kMilli, 1),
                        shown(object.end_error, kMilli, 1)));
   }
-  for (const auto& [name, reading] : figures.readings) {
-    std::string words = name;
-    std::replace(words.begin(), words.end(), '_', ' ');
-    line(words.c_str(), shown(reading));
-  }
+  for (const auto& [name, reading] : figures.readings) line(words_of(name).c_str(), shown(reading));
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
   line("on the way to an object", shown(figures.approach_error, kMilli, 2) + " mm");
   line("planner",

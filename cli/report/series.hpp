@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace c3rt::cli {
 
@@ -21,12 +21,19 @@ inline std::array<Eigen::Vector3d, kMaxObjects> zeros() {
   return result;
 }
 
+inline std::array<Eigen::Quaternion<double, Eigen::DontAlign>, kMaxObjects> upright() {
+  std::array<Eigen::Quaternion<double, Eigen::DontAlign>, kMaxObjects> result;
+  result.fill(Eigen::Quaterniond::Identity());
+  return result;
+}
+
 /// Ground truth (sim/scene).
 struct SceneRow {
   std::int64_t time_ns = 0;
   bool exposure = false;  // the cameras exposed at this instant
   int object_count = 0;
   std::array<Eigen::Vector3d, kMaxObjects> p_WB = zeros();  // [m]
+  std::array<Eigen::Quaternion<double, Eigen::DontAlign>, kMaxObjects> q_WB = upright();
 };
 
 /// robot/state

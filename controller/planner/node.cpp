@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "controller/base/time.hpp"
-#include "controller/task/circle.hpp"
 #include "idl/convert.hpp"
 #include "idl/text.hpp"
 
@@ -83,21 +82,6 @@ void fill_debug(wire::PlannerDebug& out, const Plan& plan, int horizon) {
 }
 
 }  // namespace
-
-Target target_of(const wire::TaskTarget& sample) {
-  const Eigen::Vector2d at(sample.center_m[0], sample.center_m[1]);
-  switch (sample.kind) {
-    case c3rt_v2_TARGET_SCENARIO:
-      return ScenarioTarget{};
-    case c3rt_v2_TARGET_HOLD:
-      return HoldTarget{};
-    case c3rt_v2_TARGET_CIRCLE:
-      return task::Circle{at, sample.radius_m, sample.lead_rad};
-    case c3rt_v2_TARGET_POINT:
-      return PointTarget{at};
-  }
-  return HoldTarget{};  // no other kind passes the reader
-}
 
 Node::Node(const Parameters& parameters, model::Arm arm, const Clock& clock)
     : parameters_(parameters),

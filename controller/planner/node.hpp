@@ -58,7 +58,4 @@ class Node {
   Output output_;
 };
 
-/// What a client wants, as the planner knows it.
-Target target_of(const wire::TaskTarget& sample);
-
 }  // namespace c3rt::planner

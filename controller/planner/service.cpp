@@ -5,6 +5,7 @@
 
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/convert.hpp"
 
 namespace c3rt::planner {
 
@@ -76,12 +77,21 @@ void Service::take_targets(std::int64_t now_ns) {
   endpoint_.replies().answer_refused(targets_, now_ns);
   wire::TaskTarget sample{};
   while (targets_.take(sample)) {
-    const Target target = target_of(sample);
-    const std::string refused = check(target, limits_).sentence;
-    if (refused.empty()) in_.target = target;
+    const std::string refused = take_target(sample);
     const std::string said = refused.empty() ? describe(in_.target) : "refused: " + refused;
     endpoint_.replies().answer(sample.request_id, refused.empty(), said, now_ns);
     endpoint_.tell(!refused.empty(), "target " + said);
+  }
+}
+
+std::string Service::take_target(const wire::TaskTarget& sample) {
+  try {
+    const Target target = load_target(wire::request(sample));
+    const std::string refused = refusal(target, limits_);
+    if (refused.empty()) in_.target = target;
+    return refused;
+  } catch (const task::RequestError& error) {
+    return error.what();
   }
 }
 

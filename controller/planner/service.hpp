@@ -23,12 +23,14 @@ class Service {
  private:
   void take(std::int64_t now_ns);
   void take_targets(std::int64_t now_ns);
+  /// @return why it is not taken; empty where it is
+  std::string take_target(const wire::TaskTarget& sample);
   void serve_clients(std::int64_t now_ns);
   void tell(double now);
 
   wire::Endpoint& endpoint_;
   const Parameters parameters_;
-  const TargetLimits limits_;
+  const task::Limits limits_;
   Node node_;
   wire::Reader<wire::RobotState> states_;
   wire::Reader<wire::RobotCommand> commands_;

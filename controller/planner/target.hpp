@@ -3,51 +3,38 @@
 #include <string>
 #include <variant>
 
-#include <Eigen/Core>
-
 #include "controller/planner/parameters.hpp"
+#include "controller/task/request.hpp"
 
 namespace c3rt::planner {
 
 /// The scenario's own task.
-struct ScenarioTarget {};
+struct ScenarioTarget {
+  static constexpr const char* kKind = "scenario";
+};
 /// The ball that is worked on is brought to rest, then the end effector leaves it.
-struct HoldTarget {};
-/// The ball is brought here and comes to rest; one that creeps away is brought back.
-struct PointTarget {
-  Eigen::Vector2d point;  // in W [m]
+struct HoldTarget {
+  static constexpr const char* kKind = "hold";
 };
 
-using Target = std::variant<ScenarioTarget, HoldTarget, task::Circle, PointTarget>;
+using Target = std::variant<ScenarioTarget, HoldTarget, task::Task>;
 
 /// A client's target is drawn no farther from the ball than this, or a ball that is far from a new
 /// circle would be thrown at it [m].
 constexpr double kTargetPace = 0.04;
 
-struct Interval {
-  double min, max;
-};
+/// Everything that may be asked for: "scenario", "hold" and every kind of task.
+std::vector<std::string> target_kinds();
+
+/// A client's target, by the loader of the scenario's tasks.
+/// @throws task::RequestError naming what was expected and what came
+Target load_target(const task::Request& request);
 
 /// What the targets of a scenario have to keep.
-struct TargetLimits {
-  int balls;        // circles and points are for one
-  Interval x, y;    // of every point of the way, in W [m]
-  Interval radius;  // of a circle [m]
-  Interval lead;    // of a circle, in either direction [rad]
-};
+task::Limits target_limits(const Parameters& parameters);
 
-TargetLimits target_limits(const Parameters& parameters);
-
-enum class TargetFault { kNone, kNotFinite, kRadius, kLead, kOutOfReach, kSeveralBalls };
-
-struct TargetVerdict {
-  TargetFault fault;
-  std::string sentence;  // what was expected and what came; empty if there is no fault
-  bool ok() const { return fault == TargetFault::kNone; }
-};
-
-/// Whether a target can be reached and done.
-TargetVerdict check(const Target& target, const TargetLimits& limits);
+/// Why a target cannot be reached or done: what was expected and what came; empty where it can.
+std::string refusal(const Target& target, const task::Limits& limits);
 
 /// "circle about (0.55, 0) m, radius 0.1 m, lead 20 deg"
 std::string describe(const Target& target);

@@ -1,9 +1,17 @@
 #include "controller/task/circle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace c3rt::task {
 namespace {
+
+constexpr double kDegree = M_PI / 180.0;  // [rad]
+// of a client's circle, what was shown to hold the ball
+constexpr double kMinRadius = 0.06, kMaxRadius = 0.15;                  // [m]
+constexpr double kMinLead = 10.0 * kDegree, kMaxLead = 30.0 * kDegree;  // either way [rad]
+// what is told as the limit is within it, whatever the rounding
+constexpr double kRounding = 1e-9;
 
 /// Counts circles by the angle that the body has gone about the centre in the task's direction.
 class CircleProgress final : public Progress {
@@ -11,8 +19,8 @@ class CircleProgress final : public Progress {
   explicit CircleProgress(const Circle& circle) : circle_(circle) {}
 
   /// The first position starts the count.
-  void add(double elapsed, const std::vector<Eigen::Vector2d>& bodies) override {
-    const Eigen::Vector2d arm = bodies.front() - circle_.center;
+  void add(double elapsed, const std::vector<Placement>& bodies) override {
+    const Eigen::Vector2d arm = bodies.front().at - circle_.center;
     const double sign = circle_.lead > 0.0 ? 1.0 : -1.0;
     const double alpha = sign * std::atan2(arm.x(), arm.y());
     if (!started_) {
@@ -82,6 +90,33 @@ std::vector<Eigen::Vector2d> Circle::outline(const Eigen::AlignedBox2d&) const {
   }
   points.push_back(points.front());
   return points;
+}
+
+std::string Circle::describe() const {
+  return words("circle about (%g, %g) m, radius %g m, lead %g deg", center.x(), center.y(), radius,
+               lead / kDegree);
+}
+
+std::string Circle::refusal(const Limits& limits) const {
+  if (limits.bodies != 1)
+    return words("expected a task for %d bodies, got a circle, which is for one", limits.bodies);
+  if (!center.allFinite() || !std::isfinite(radius) || !std::isfinite(lead))
+    return "expected finite numbers, got a " + describe();
+  if (radius < kMinRadius - kRounding || radius > kMaxRadius + kRounding) {
+    return words("expected a radius of %g to %g m, got %g m", kMinRadius, kMaxRadius, radius);
+  }
+  const double size = std::abs(lead);
+  if (size < kMinLead - kRounding || size > kMaxLead + kRounding) {
+    return words("expected a lead of %.0f to %.0f deg, or -%.0f to -%.0f deg, got %g deg",
+                 kMinLead / kDegree, kMaxLead / kDegree, kMinLead / kDegree, kMaxLead / kDegree,
+                 lead / kDegree);
+  }
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(radius);
+  if (!limits.holds(center - corner) || !limits.holds(center + corner)) {
+    return words("expected a centre with %s for a circle of radius %g m, got (%g, %g)",
+                 limits.words(radius).c_str(), radius, center.x(), center.y());
+  }
+  return {};
 }
 
 std::unique_ptr<Progress> Circle::progress() const {

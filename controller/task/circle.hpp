@@ -35,6 +35,9 @@ struct Circle {
   std::optional<Along> along(const scene::Scene&, int) const noexcept { return std::nullopt; }
   std::optional<bool> arrived(const Eigen::Vector2d&) const noexcept { return std::nullopt; }
   std::vector<std::pair<std::string, Task>> readings() const { return {}; }
+  static std::vector<std::string> criteria() { return {"loops_completed", "max_loop_time_s"}; }
+  std::string refusal(const Limits& limits) const;
+  std::string describe() const;
 };
 
 }  // namespace c3rt::task

@@ -9,9 +9,9 @@ namespace {
 class LineProgress final : public Progress {
  public:
   explicit LineProgress(const Line& line) : line_(line) {}
-  void add(double elapsed, const std::vector<Eigen::Vector2d>& bodies) override {
+  void add(double elapsed, const std::vector<Placement>& bodies) override {
     arrived_ = std::count_if(bodies.begin(), bodies.end(),
-                             [&](const Eigen::Vector2d& body) { return line_.past_end(body.y()); });
+                             [&](const Placement& body) { return line_.past_end(body.at.y()); });
     if (arrived_ == static_cast<std::ptrdiff_t>(bodies.size()) && std::isnan(all_arrived_))
       all_arrived_ = elapsed;
   }
@@ -21,6 +21,9 @@ class LineProgress final : public Progress {
     return completed() == 0 ? std::vector<double>{} : std::vector<double>{all_arrived_};
   }
   double judged_from() const override { return 0.0; }
+  std::vector<std::pair<std::string, double>> results() const override {
+    return {{"balls_arrived", amount()}};
+  }
 
  private:
   Line line_;
@@ -65,6 +68,18 @@ double Line::error(double, const Eigen::Vector2d& body) const noexcept {
 std::vector<Eigen::Vector2d> Line::outline(const Eigen::AlignedBox2d& tracks) const {
   const double start = tracks.isEmpty() ? 0.0 : step < 0.0 ? tracks.max().y() : tracks.min().y();
   return {{x, start}, {x, y_end}};
+}
+
+std::string Line::describe() const {
+  return words("line x = %g m to y = %g m, %g m a step, places %g m apart", x, y_end, step,
+               spacing);
+}
+
+std::string Line::refusal(const Limits& limits) const {
+  const double farthest = y_end + step + forward() * (limits.bodies - 1) * spacing;
+  if (limits.holds({x, y_end}) && limits.holds({x, farthest})) return {};
+  return words("expected a line and places past its end with %s, got x = %g m, y to %g m",
+               limits.words().c_str(), x, farthest);
 }
 
 std::unique_ptr<Progress> Line::progress() const { return std::make_unique<LineProgress>(*this); }

@@ -43,6 +43,12 @@ struct Line {
     return past_end(body.y());
   }
   std::vector<std::pair<std::string, Task>> readings() const { return {}; }
+  static std::vector<std::string> criteria() {
+    return {"loops_completed", "max_loop_time_s", "balls_arrived", "arrival_error_max_m",
+            "end_error_max_m"};
+  }
+  std::string refusal(const Limits& limits) const;
+  std::string describe() const;
 };
 
 }  // namespace c3rt::task

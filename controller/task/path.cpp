@@ -7,6 +7,7 @@ namespace c3rt::task {
 namespace {
 
 constexpr double kFirstSecond = 1.0;  // [s]
+constexpr double kFastest = 0.3;      // of a client's path, from point to point [m/s]
 
 /// Between which two way-points the path is, and how far from the first to the second.
 struct Place {
@@ -24,7 +25,7 @@ Place place_at(const Path& path, double elapsed) noexcept {
 class PathProgress final : public Progress {
  public:
   explicit PathProgress(double round_duration) : round_duration_(round_duration) {}
-  void add(double elapsed, const std::vector<Eigen::Vector2d>&) override { elapsed_ = elapsed; }
+  void add(double elapsed, const std::vector<Placement>&) override { elapsed_ = elapsed; }
   double amount() const override { return elapsed_ / round_duration_; }
   int completed() const override { return static_cast<int>(amount()); }
   std::vector<double> times() const override { return {}; }
@@ -71,6 +72,29 @@ std::vector<Eigen::Vector2d> Path::outline(const Eigen::AlignedBox2d&) const {
   std::vector<Eigen::Vector2d> closed = points;
   closed.push_back(points.front());
   return closed;
+}
+
+std::string Path::describe() const {
+  return words("path of %zu points about (%g, %g) m, %g s from one to the next%s", points.size(),
+               middle().x(), middle().y(), interval, between == Between::kHold ? ", held" : "");
+}
+
+std::string Path::refusal(const Limits& limits) const {
+  if (limits.bodies != 1)
+    return words("expected a task for %d bodies, got a path, which is for one", limits.bodies);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d& from = points[i];
+    if (!limits.holds(from)) {
+      return words("expected points with %s, got (%g, %g)", limits.words().c_str(), from.x(),
+                   from.y());
+    }
+    const double speed = (points[(i + 1) % points.size()] - from).norm() / interval;
+    if (!(speed <= kFastest)) {
+      return words("expected at most %g m/s from point to point, got %g m/s after point %zu",
+                   kFastest, speed, i + 1);
+    }
+  }
+  return {};
 }
 
 std::unique_ptr<Progress> Path::progress() const {

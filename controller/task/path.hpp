@@ -44,6 +44,9 @@ struct Path {
   std::optional<bool> arrived(const Eigen::Vector2d&) const noexcept { return std::nullopt; }
   /// "to_held_points" and "to_interpolated_path".
   std::vector<std::pair<std::string, Task>> readings() const;
+  static std::vector<std::string> criteria() { return {"loops_completed", "max_loop_time_s"}; }
+  std::string refusal(const Limits& limits) const;
+  std::string describe() const;
 };
 
 }  // namespace c3rt::task

@@ -3,6 +3,7 @@
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
+#include "controller/task/pose.hpp"
 
 namespace c3rt::task {
 namespace {
@@ -17,7 +18,7 @@ Kind kind() {
   return {T::kKind, [](Source& source) -> Task { return T::load(source); }};
 }
 
-const Kind kKinds[] = {kind<Circle>(), kind<Path>(), kind<Line>()};
+const Kind kKinds[] = {kind<Circle>(), kind<Path>(), kind<Line>(), kind<Pose>()};
 
 }  // namespace
 
@@ -28,5 +29,12 @@ std::vector<std::string> kinds() {
 }
 
 Task load(Source& source) { return kKinds[source.choice("kind", kinds())].load(source); }
+
+Task load(const Request& request) {
+  RequestSource source(request);
+  Task task = load(source);
+  source.finish();
+  return task;
+}
 
 }  // namespace c3rt::task

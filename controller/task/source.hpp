@@ -12,10 +12,14 @@ namespace c3rt::task {
 class Source {
  public:
   virtual ~Source() = default;
+  /// Whether a parameter that need not be there is.
+  virtual bool has(const std::string& key) = 0;
   virtual double number(const std::string& key, double min, double max) = 0;
   virtual bool boolean(const std::string& key) = 0;
   /// Exactly `size` numbers.
   virtual Eigen::VectorXd numbers(const std::string& key, int size, double min, double max) = 0;
+  /// One number for all, or `size` numbers.
+  virtual Eigen::VectorXd one_or_each(const std::string& key, int size, double min, double max) = 0;
   /// `min_rows` to `max_rows` lists of `columns` numbers each, as (rows × columns).
   virtual Eigen::MatrixXd rows(const std::string& key, int min_rows, int max_rows, int columns,
                                double min, double max) = 0;

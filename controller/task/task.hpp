@@ -1,5 +1,6 @@
 #pragma once
 // What the bodies are to do, whatever kind of task it is.
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -15,19 +16,65 @@ namespace c3rt::task {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+/// Where a body lies on the table and how it is turned, in W.
+struct Placement {
+  Placement(double x, double y) : at(x, y) {}
+  template <typename Derived>
+  Placement(const Eigen::MatrixBase<Derived>& p_WB) : at(p_WB) {}  // NOLINT: upright
+  template <typename Derived, int options>
+  Placement(const Eigen::MatrixBase<Derived>& p_WB, const Eigen::Quaternion<double, options>& q_WB)
+      : at(p_WB), q(q_WB) {}
+
+  Eigen::Vector2d at;  // [m]
+  Eigen::Quaternion<double, Eigen::DontAlign> q = Eigen::Quaterniond::Identity();
+};
+
 /// How far a run has come with its task.
 class Progress {
  public:
   virtual ~Progress() = default;
   /// @param elapsed since the task began [s]
-  /// @param bodies  where they are, in W [m]; at least one
-  virtual void add(double elapsed, const std::vector<Eigen::Vector2d>& bodies) = 0;
+  /// @param bodies  at least one
+  virtual void add(double elapsed, const std::vector<Placement>& bodies) = 0;
   virtual double amount() const = 0;              // of Task::unit(), with fractions
   virtual int completed() const = 0;              // whole ones; 1 of a task that is done once
   virtual std::vector<double> times() const = 0;  // of each that is completed [s]
   /// From when on the error is judged, since the task began; kNone before that is known [s].
   virtual double judged_from() const = 0;
+  /// The task's own figures by the names of Task::criteria(); what the run does not give is left
+  /// out.
+  virtual std::vector<std::pair<std::string, double>> results() const { return {}; }
 };
+
+/// Where a body is to come to rest.
+struct Goal {
+  int body;
+  Eigen::Vector2d at;         // in W [m]
+  std::optional<double> yaw;  // about z; none: however it is turned [rad]
+};
+
+/// What a task of several goals remembers. Whoever follows a task keeps it beside it; State{} is
+/// its beginning.
+struct State {
+  int goal = 0;                  // the first that is not done yet
+  double reached_since = kNone;  // it has been reached; kNone: it is not [s]
+};
+
+/// What a client's task has to keep.
+struct Limits {
+  int bodies;                 // of the scene
+  Eigen::AlignedBox2d reach;  // of every place that a body is to come to, in W [m]
+  bool holds(const Eigen::Vector2d& at) const;
+  /// "x in [0.37, 0.73] and y in [-0.28, 0.28] m", `inside` the border by so much.
+  std::string words(double inside = 0.0) const;
+};
+/// As printf, at most 255 letters.
+template <typename... Values>
+std::string words(const char* format, Values... values) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
 
 /// Where a body is on the way of a task that orders the bodies.
 struct Along {
@@ -56,9 +103,16 @@ class Task {
   const char* unit() const noexcept { return held_->unit(); }
   /// Where a body should be at a stage of the horizon, in W [m].
   /// @param elapsed since the task began [s]  @param ahead of the stage [s]
-  Eigen::Vector2d target(const scene::Scene& scene, int body, double elapsed,
-                         double ahead) const noexcept {
-    return held_->target(scene, body, elapsed, ahead);
+  /// @param state of a task with goals
+  Eigen::Vector2d target(const scene::Scene& scene, int body, double elapsed, double ahead,
+                         const State& state = {}) const noexcept {
+    return held_->target(scene, body, elapsed, ahead, state);
+  }
+  /// Where a body is to come to rest next, or for good; none of a task that goes on and on.
+  std::optional<Goal> goal(const State& state) const noexcept { return held_->goal(state); }
+  /// Keeps the state true. @param elapsed since the task began [s]
+  void advance(double elapsed, const scene::Scene& scene, State& state) const noexcept {
+    held_->advance(elapsed, scene, state);
   }
   /// And with which velocity, in W [m/s].
   Eigen::Vector2d velocity(double elapsed, double ahead) const noexcept {
@@ -88,13 +142,24 @@ class Task {
   }
   /// Other ways to read the same task, by which its error is reported as well.
   std::vector<std::pair<std::string, Task>> readings() const { return held_->readings(); }
+  /// Figures of a run with this task by which a scenario may judge it, beside those of any task.
+  std::vector<std::string> criteria() const { return held_->criteria(); }
+  /// Of a client's task: what was expected and what came; empty where it can be done.
+  std::string refusal(const Limits& limits) const { return held_->refusal(limits); }
+  /// "circle about (0.55, 0) m, radius 0.1 m, lead 20 deg"
+  std::string describe() const { return held_->describe(); }
+  /// Whether both are copies of one: a task that was given again is another.
+  bool is(const Task& other) const noexcept { return held_ == other.held_; }
 
  private:
   struct Concept {
     virtual ~Concept() = default;
     virtual const char* kind() const noexcept = 0;
     virtual const char* unit() const noexcept = 0;
-    virtual Eigen::Vector2d target(const scene::Scene&, int, double, double) const noexcept = 0;
+    virtual Eigen::Vector2d target(const scene::Scene&, int, double, double,
+                                   const State&) const noexcept = 0;
+    virtual std::optional<Goal> goal(const State&) const noexcept = 0;
+    virtual void advance(double, const scene::Scene&, State&) const noexcept = 0;
     virtual Eigen::Vector2d velocity(double, double) const noexcept = 0;
     virtual double error(double, const Eigen::Vector2d&) const noexcept = 0;
     virtual Eigen::Vector2d middle() const = 0;
@@ -104,15 +169,35 @@ class Task {
     virtual std::optional<Along> along(const scene::Scene&, int) const noexcept = 0;
     virtual std::optional<bool> arrived(const Eigen::Vector2d&) const noexcept = 0;
     virtual std::vector<std::pair<std::string, Task>> readings() const = 0;
+    virtual std::vector<std::string> criteria() const = 0;
+    virtual std::string refusal(const Limits&) const = 0;
+    virtual std::string describe() const = 0;
   };
+  // a kind without goals has no state and no word about them
+  template <typename Kind, typename = void>
+  struct HasGoals : std::false_type {};
+  template <typename Kind>
+  struct HasGoals<Kind, std::void_t<decltype(&Kind::goal)>> : std::true_type {};
   template <typename Kind>
   struct Held final : Concept {
     explicit Held(Kind given) : task(std::move(given)) {}
     const char* kind() const noexcept override { return Kind::kKind; }
     const char* unit() const noexcept override { return Kind::kUnit; }
-    Eigen::Vector2d target(const scene::Scene& scene, int body, double elapsed,
-                           double ahead) const noexcept override {
-      return task.target(scene, body, elapsed, ahead);
+    Eigen::Vector2d target(const scene::Scene& scene, int body, double elapsed, double ahead,
+                           [[maybe_unused]] const State& state) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) {
+        return task.target(scene, body, state);
+      } else {
+        return task.target(scene, body, elapsed, ahead);
+      }
+    }
+    std::optional<Goal> goal([[maybe_unused]] const State& state) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) return task.goal(state);
+      return std::nullopt;
+    }
+    void advance([[maybe_unused]] double elapsed, [[maybe_unused]] const scene::Scene& scene,
+                 [[maybe_unused]] State& state) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) task.advance(elapsed, scene, state);
     }
     Eigen::Vector2d velocity(double elapsed, double ahead) const noexcept override {
       return task.velocity(elapsed, ahead);
@@ -133,6 +218,9 @@ class Task {
       return task.arrived(body);
     }
     std::vector<std::pair<std::string, Task>> readings() const override { return task.readings(); }
+    std::vector<std::string> criteria() const override { return Kind::criteria(); }
+    std::string refusal(const Limits& limits) const override { return task.refusal(limits); }
+    std::string describe() const override { return task.describe(); }
     Kind task;
   };
 

@@ -100,14 +100,14 @@ TEST_CASE("service: a planner that is started again is told the last target that
       return service.c3rt("status" + service.on_domain()).output.find(text) != std::string::npos;
     });
   };
-  const std::string taken = "a stub, told target 2 with radius 0.080000";
+  const std::string taken = "a stub, told target circle with radius_m 0.080000";
   REQUIRE(
       service.c3rt("target circle --center 0.55 0 --radius 0.08" + service.on_domain()).status ==
       0);
   REQUIRE(planner_says(taken));
   // refused, so not the last that was taken
-  REQUIRE(service.c3rt("target point 0.55 0" + service.on_domain()).status == 1);
-  REQUIRE(planner_says("a stub, told target 3"));
+  REQUIRE(service.c3rt("target pose 0.55 0" + service.on_domain()).status == 1);
+  REQUIRE(planner_says("a stub, told target pose"));
   for (int i = 0; i < 3; ++i) {
     CAPTURE(i);
     // the second one dies while a person has stopped the robot, the third together with vision

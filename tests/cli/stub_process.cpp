@@ -54,10 +54,10 @@ int main(int argc, char** argv) {
     wire::TaskTarget target{};
     while (targets.take(target)) {
       if (process != c3rt_v2_PROCESS_PLANNER) continue;
-      status.set_state(c3rt_v2_SERVICE_RUNNING, "a stub, told target " +
-                                                    std::to_string(target.kind) + " with radius " +
-                                                    std::to_string(target.radius_m));
-      replies.answer(target.request_id, target.kind != c3rt_v2_TARGET_POINT, "of the stub",
+      status.set_state(c3rt_v2_SERVICE_RUNNING, "a stub, told target " + std::string(target.kind) +
+                                                    " with " + target.parameters[1].name + " " +
+                                                    std::to_string(target.parameters[1].values[0]));
+      replies.answer(target.request_id, target.kind != std::string("pose"), "of the stub",
                      rt::now_ns());
     }
     wire::ServiceStatus other{};

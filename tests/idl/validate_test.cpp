@@ -124,8 +124,14 @@ bool usable(const ObjectEstimate& s) {
          below(s.a_WB_m_per_s2, 100) && unit(s.q_WB);
 }
 bool usable(const TaskTarget& s) {
-  return known(s.kind, 3) && below(s.center_m, 10) && std::fabs(s.radius_m) <= 10 &&
-         std::fabs(s.lead_rad) <= 100;
+  if (!ends(s.kind) || s.parameter_count < 0 || s.parameter_count > 16) return false;
+  for (int i = 0; i < s.parameter_count; ++i) {
+    const c3rt_v2_TargetParameter& parameter = s.parameters[i];
+    if (!ends(parameter.name) || !ends(parameter.word) || parameter.value_count < 0 ||
+        parameter.value_count > 64 || !below(parameter.values, 1e6))
+      return false;
+  }
+  return true;
 }
 bool usable(const Scene& s) {
   if (s.object_count < 0 || s.object_count > 8) return false;

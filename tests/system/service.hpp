@@ -14,6 +14,7 @@
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/dds.hpp"
+#include "idl/text.hpp"
 #include "tests/cli/folder.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/outcome.hpp"
@@ -129,9 +130,9 @@ class Service {
     write(sample);
     return answers();
   }
-  std::string target(c3rt_v2_TargetKind kind) {
+  std::string target(const std::string& kind) {
     wire::TaskTarget target{};
-    target.kind = kind;
+    wire::set_text(target.kind, kind);
     return question(target,
                     [this](wire::TaskTarget& asked) { targets_->write(asked, rt::now_ns()); });
   }

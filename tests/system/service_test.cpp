@@ -103,7 +103,7 @@ TEST_CASE("service: cycles that are missed on the way to the ball, and a hold: n
     // fewer than stop the robot
     REQUIRE(service.inject(c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_FAULT_STALL, 0.001 * (1 + i % 19)) ==
             "");
-    REQUIRE(service.target(i % 2 == 0 ? c3rt_v2_TARGET_HOLD : c3rt_v2_TARGET_SCENARIO) == "");
+    REQUIRE(service.target(i % 2 == 0 ? "hold" : "scenario") == "");
     service.run(0.3);
     INFO(service.text(c3rt_v2_PROCESS_PLANT));
     REQUIRE(service.state().mode == c3rt_v2_ROBOT_MOVE);
@@ -161,7 +161,7 @@ TEST_CASE("service: each cause of holding has its own words") {
   REQUIRE(service.inject(c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_STALL, 4.0) == "");
   CHECK(says(c3rt_v2_PROCESS_IMPEDANCE, "holds its position: the plan is too old"));
   CHECK(says(c3rt_v2_PROCESS_IMPEDANCE, "tracks the plan"));
-  REQUIRE(service.target(c3rt_v2_TARGET_HOLD) == "");
+  REQUIRE(service.target("hold") == "");
   CHECK(says(c3rt_v2_PROCESS_PLANNER, "holding: asked to hold; ball 0 at ("));
   REQUIRE(service.ask(c3rt_v2_REQUEST_STOP) == "");
   CHECK(says(c3rt_v2_PROCESS_PLANNER, "stopped by a person; recover ends it"));
@@ -177,7 +177,7 @@ TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest
   };
   REQUIRE(service.until(rolls, 30.0));
   service.run(2.0);
-  REQUIRE(service.target(c3rt_v2_TARGET_HOLD) == "");
+  REQUIRE(service.target("hold") == "");
   REQUIRE(service.until(
       [&] {
         return service.text(c3rt_v2_PROCESS_PLANNER).find("holding: asked to hold; ball 0 at") == 0;
@@ -188,7 +188,7 @@ TEST_CASE("service: with rendered cameras a hold brings the rolling ball to rest
   service.run(3.0);
   CHECK((service.p_WB() - here).norm() < 0.01);
   CHECK(service.p_WE().z() - service.p_WB().z() > 0.06);  // left alone: they touch at 0.051 m
-  REQUIRE(service.target(c3rt_v2_TARGET_SCENARIO) == "");
+  REQUIRE(service.target("scenario") == "");
   CHECK(service.until(rolls, 30.0));
   CHECK(reflexes(service) == 0);
 }
@@ -243,7 +243,7 @@ TEST_CASE(
   };
   const auto send = [&](std::uint64_t session, std::uint64_t seq) {
     wire::TaskTarget target{};
-    target.kind = c3rt_v2_TARGET_SCENARIO;
+    wire::set_text(target.kind, "scenario");
     return service.question(
         target, [&](const wire::TaskTarget& asked) { targets.write(asked, session, seq); });
   };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "controller/scene/scene.hpp"
-#include "controller/task/circle.hpp"
 
 namespace c3rt::planner {
 namespace {
@@ -86,7 +85,8 @@ TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known) {
 }
 
 TimeHeuristicState::TimeHeuristicState(const Parameters& parameters)
-    : approach(parameters.approach, parameters.geometry.table_height),
+    : task(parameters.task),
+      approach(parameters.approach, parameters.geometry.table_height),
       rest(parameters.geometry.end_effector_radius, parameters.approach.leash) {}
 
 TimeHeuristic::TimeHeuristic(const Parameters& parameters, C3Controller& c3)
@@ -108,6 +108,7 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   const Input& input = *now.input;
   const bool was_in_c3 = in_c3(state_.mode);
   advance_phase(input.now, now.scene, was_in_c3 && state_.c3_since >= 0.0);
+  state_.task.take(input.target);
   Known known{};
   known.state_fresh = now.available.state();
   known.spheres_at_hand = now.available.all();
@@ -120,9 +121,12 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   const bool stopping = std::holds_alternative<HoldTarget>(input.target);
   if (known.spheres_at_hand && !stopping &&
       (state_.mode == TimeHeuristicMode::kWait || state_.mode == TimeHeuristicMode::kHold ||
-       cycle_ended))
-    state_.sphere =
-        sphere_to_work_on(parameters_.heuristic, parameters_.task, now.scene, state_.sphere);
+       cycle_ended)) {
+    const std::optional<task::Goal> goal = state_.task.goal();
+    state_.sphere = goal ? goal->body
+                         : sphere_to_work_on(parameters_.heuristic, state_.task.task(), now.scene,
+                                             state_.sphere);
+  }
   known.other_sphere = was_in_c3 && state_.sphere != worked;
   decide_rest(now, known);
 
@@ -136,7 +140,6 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
     if (!was_in_c3 && state_.mode == TimeHeuristicMode::kReturn) {
       state_.c3_since = input.now;
       state_.phase = phase_at(parameters_.heuristic, 0.0);
-      if (state_.task_since < 0.0) state_.task_since = input.now;
     }
     decision_.body_lost = was_in_c3 && !known.spheres_at_hand;
   }
@@ -148,6 +151,7 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   decision_.plans_with_c3 = in_c3(state_.mode);
   decision_.force_bias.setZero();
   if (decision_.plans_with_c3) {
+    state_.task.begin(input.now);
     move_with_c3(now);
   } else {
     move_without_c3(now);
@@ -227,9 +231,7 @@ void TimeHeuristic::move_with_c3(const Situation& now) {
       scene::Body& sphere = desired.body(i);
       const double radius = x_hat.body(i).shape.radius;
       sphere.p_WB << target(input, ahead, seen, i), height(x_hat.body(i));
-      const Eigen::Vector2d v = std::holds_alternative<ScenarioTarget>(input.target)
-                                    ? parameters_.task.velocity(elapsed(input), ahead)
-                                    : Eigen::Vector2d(Eigen::Vector2d::Zero());
+      const Eigen::Vector2d v = state_.task.velocity(input.now, ahead);
       sphere.v_WB << v, 0.0;
       // rolling without slipping
       sphere.omega_WB << -v.y() / radius, v.x() / radius, 0.0;
@@ -252,7 +254,6 @@ Cause TimeHeuristic::cause(const Input& input) const {
 RestInput TimeHeuristic::rest_input(const Situation& now) const {
   const Input& input = *now.input;
   const scene::Body& sphere = now.scene.body(state_.sphere);
-  const auto* to = std::get_if<PointTarget>(&input.target);
   return {input.now,
           now.period,
           input.effector.p_WE,
@@ -261,7 +262,13 @@ RestInput TimeHeuristic::rest_input(const Situation& now) const {
           sphere.shape.radius,
           sphere.p_WB,
           sphere.v_WB,
-          to != nullptr ? std::optional<Eigen::Vector2d>(to->point) : std::nullopt};
+          resting_place(input)};
+}
+
+std::optional<Eigen::Vector2d> TimeHeuristic::resting_place(const Input& input) const {
+  const std::optional<task::Goal> goal = state_.task.goal();
+  if (!goal || std::holds_alternative<HoldTarget>(input.target)) return std::nullopt;
+  return goal->at;
 }
 
 void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
@@ -271,6 +278,7 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
   const bool seen = in_view(parameters_, input.bodies[static_cast<std::size_t>(s.sphere)]);
   // what is not seen is where it was: an end effector that stood on it still does
   if (seen) {
+    s.task.advance(input.now, now.scene);
     const double gap = scene::gap(now.scene.effector, sphere).distance;
     const double beside = (now.scene.effector.p_WE - sphere.p_WB).head<2>().norm();
     s.on_sphere = gap < kOnSphereGap && beside < kOnSphereBeside * sphere.shape.radius;
@@ -287,19 +295,19 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
   if (hold && working && input.now - s.stopping_since > kStoppingLimit)
     s.not_brought_to_rest = true;
 
-  const auto* to = std::get_if<PointTarget>(&input.target);
+  const std::optional<Eigen::Vector2d> to = resting_place(input);
   bool delivers = false;
-  if (to == nullptr || (s.delivered && *s.delivered != to->point)) {
+  if (!to || (s.delivered && *s.delivered != *to)) {
     s.delivered.reset();
   } else if (s.delivered) {
-    const bool astray = seen && (sphere.p_WB.head<2>() - to->point).norm() > kAstray;
+    const bool astray = seen && (sphere.p_WB.head<2>() - *to).norm() > kAstray;
     if (!astray) s.astray_since = input.now;
     if (input.now - s.astray_since > kAstrayTime) s.delivered.reset();
   }
-  if (to != nullptr && !s.delivered && known.spheres_at_hand) {
+  if (to && !s.delivered && known.spheres_at_hand) {
     const Eigen::Vector2d v = sphere.v_WB.head<2>();
     const Eigen::Vector2d stops = sphere.p_WB.head<2>() + v * v.norm() / kStoppingRate;
-    delivers = s.mode == TimeHeuristicMode::kRest || (stops - to->point).norm() < kNearPoint;
+    delivers = s.mode == TimeHeuristicMode::kRest || (stops - *to).norm() < kNearPoint;
   }
 
   const Rest::Stage stage = s.rest.stage();
@@ -315,9 +323,9 @@ void TimeHeuristic::decide_rest(const Situation& now, Known& known) {
     known.rest_wanted =
         delivers && s.mode == TimeHeuristicMode::kHold;  // it has crept away a little
   }
-  const bool there = to != nullptr && seen && (sphere.p_WB.head<2>() - to->point).norm() < kAstray;
+  const bool there = to && seen && (sphere.p_WB.head<2>() - *to).norm() < kAstray;
   if (known.sphere_left && delivers && there) {
-    s.delivered = to->point;
+    s.delivered = *to;
     s.astray_since = input.now;
   }
   known.hold_requested = input.stopped || (hold && (!working || s.not_brought_to_rest)) ||
@@ -372,15 +380,9 @@ Eigen::Vector2d TimeHeuristic::target(const Input& input, double ahead, const sc
                                       int sphere) const {
   const Eigen::Vector2d at = scene.body(sphere).p_WB.head<2>();
   const double reach = parameters_.heuristic.target_reach;
-  if (const auto* circle = std::get_if<task::Circle>(&input.target))
-    return paced(at, circle->next(at), std::min(reach, kTargetPace));
-  if (const auto* point = std::get_if<PointTarget>(&input.target))
-    return paced(at, point->point, std::min(reach, kTargetPace));
-  return paced(at, parameters_.task.target(scene, sphere, elapsed(input), ahead), reach);
-}
-
-double TimeHeuristic::elapsed(const Input& input) const {
-  return state_.task_since < 0.0 ? 0.0 : input.now - state_.task_since;
+  const bool near = state_.task.clients() || state_.task.goal();
+  return paced(at, state_.task.target(scene, sphere, input.now, ahead),
+               near ? std::min(reach, kTargetPace) : reach);
 }
 
 std::unique_ptr<Strategy> make_time_heuristic(const Parameters& parameters, C3Controller& c3) {

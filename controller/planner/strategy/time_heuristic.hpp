@@ -8,6 +8,7 @@
 #include "controller/planner/strategy/heuristic.hpp"
 #include "controller/planner/strategy/rest.hpp"
 #include "controller/planner/strategy/strategy.hpp"
+#include "controller/planner/strategy/task_at_hand.hpp"
 
 namespace c3rt::planner {
 
@@ -32,6 +33,7 @@ TimeHeuristicMode next(TimeHeuristicMode mode, const Known& known);
 struct TimeHeuristicState {
   TimeHeuristicState(const Parameters& parameters);
 
+  TaskAtHand task;
   Approach approach;  // and hold
   Rest rest;
   TimeHeuristicMode mode = TimeHeuristicMode::kWait;
@@ -39,11 +41,10 @@ struct TimeHeuristicState {
   int sphere = 0;                // that it works on
   bool touched = false;          // in this Phase I
   double c3_since = -1.0;        // the cycle began; negative: not yet [s]
-  double task_since = -1.0;      // C3 took over for the first time: the clock of a task in time
   bool on_sphere = false;        // the end effector touches it from above, when last seen
   double stopping_since = -1.0;  // a rolling sphere has to be brought to rest; negative: none [s]
   bool not_brought_to_rest = false;          // within the time allowed
-  std::optional<Eigen::Vector2d> delivered;  // to this point of a client, in W [m]
+  std::optional<Eigen::Vector2d> delivered;  // to this point of the task, in W [m]
   double astray_since = -1.0;                // it has moved away from there; negative: not [s]
 };
 
@@ -73,7 +74,8 @@ class TimeHeuristic final : public Strategy {
   /// x_d^b of a sphere of the scene.
   Eigen::Vector2d target(const Input& input, double ahead, const scene::Scene& scene,
                          int sphere) const;
-  double elapsed(const Input& input) const;
+  /// Where the sphere is to come to rest, of a task that says so, in W [m].
+  std::optional<Eigen::Vector2d> resting_place(const Input& input) const;
 
   Parameters parameters_;
   std::vector<int> roll_, back_;  // costs by the sphere that is worked on

@@ -12,6 +12,7 @@
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
+#include "controller/task/pose.hpp"
 
 using namespace c3rt;
 
@@ -309,14 +310,14 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("closed loop: a point target brings the ball there, and keeps it within 1 cm") {
+TEST_CASE("closed loop: a pose as a target brings the ball there, and keeps it within 1 cm") {
   for (const std::uint64_t seed : {1, 2}) {
     for (const Eigen::Vector2d& point : {Eigen::Vector2d(0.55, 0.0), Eigen::Vector2d(0.45, 0.15)}) {
       CAPTURE(seed, point.x(), point.y());
       const config::Scenario scenario = config::load_scenario(scenario_file("circle_slow"));
       test::ClosedLoop loop(scenario, seed);
       run_until(loop, 9.0);
-      loop.set_target(planner::PointTarget{point});
+      loop.set_target(task::Task(task::Pose{0, {{point, std::nullopt, 0.01, M_PI, 1.0}}}));
       while (loop.planner().activity().cause != planner::Cause::kAtTarget && loop.time() < 40.0)
         loop.step_1ms();
       CHECK(loop.planner().activity().cause == planner::Cause::kAtTarget);

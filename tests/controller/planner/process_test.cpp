@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "idl/convert.hpp"
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/support/child_process.hpp"
 
@@ -88,6 +89,18 @@ class World {
   std::int64_t now_ns = 0;
 };
 
+task::Request circle(double x, double y, double radius, double lead_deg) {
+  return {"circle",
+          {{"center_m", {x, y}, ""},
+           {"radius_m", {radius}, ""},
+           {"lead_rad", {lead_deg * M_PI / 180.0}, ""}}};
+}
+
+task::Request pose(double x, double y) {
+  return {"pose",
+          {{"goals_m", {x, y}, ""}, {"position_tolerance_m", {0.01}, ""}, {"hold_s", {1.0}, ""}}};
+}
+
 }  // namespace
 
 TEST_CASE("c3rt-planner: plans come at the fixed rate, and carry what they were made from") {
@@ -132,13 +145,8 @@ TEST_CASE(
 TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the scenario's own") {
   World world;
   wire::Plan plan{};
-  const auto send = [&](c3rt_v2_TargetKind kind, double radius) {
-    wire::TaskTarget target{};
-    target.kind = kind;
-    target.center_m[0] = 0.5;
-    target.radius_m = radius;
-    target.lead_rad = 0.3;
-    target.header.session_id = 0;
+  const auto send = [&](const task::Request& request) {
+    wire::TaskTarget target = wire::task_target(request);
     world.targets.write(target, world.now_ns);
     const std::uint64_t before = plan.header.seq;
     // a client's sample is in no tick: give the network a moment
@@ -149,15 +157,15 @@ TEST_CASE("c3rt-planner: a client's target is checked, obeyed, and ended by the 
   };
   for (int i = 0; i < 100; ++i) world.step(plan);
   const double x_scenario = world.debug.p_WB_target_m[0];
-  send(c3rt_v2_TARGET_HOLD, 0.1);
+  send({"hold", {}});
   CHECK(plan.phase == std::string("hold"));
-  send(c3rt_v2_TARGET_CIRCLE, 0.1);
+  send(circle(0.5, 0, 0.1, 17));
   CHECK(plan.phase == std::string("approach"));
   const double x_circle = world.debug.p_WB_target_m[0];
   CHECK(std::abs(x_circle - x_scenario) > 0.005);
-  send(c3rt_v2_TARGET_CIRCLE, std::nan(""));
+  send(circle(0.5, 0, std::nan(""), 17));
   CHECK(world.debug.p_WB_target_m[0] == x_circle);
-  send(c3rt_v2_TARGET_SCENARIO, 0.0);
+  send({"scenario", {}});
   CHECK(world.debug.p_WB_target_m[0] == x_scenario);
 }
 
@@ -166,38 +174,46 @@ TEST_CASE("c3rt-planner: every target is answered, a refused one with what can b
   wire::Plan plan{};
   for (int i = 0; i < 100; ++i) world.step(plan);
   std::uint64_t id = 0;
-  const auto ask = [&](c3rt_v2_TargetKind kind, double x, double y, double radius,
-                       double lead_deg) {
-    wire::TaskTarget target{};
+  const auto ask = [&](const task::Request& request) {
+    wire::TaskTarget target = wire::task_target(request);
     target.request_id = ++id;
-    target.kind = kind;
-    target.center_m[0] = x;
-    target.center_m[1] = y;
-    target.radius_m = radius;
-    target.lead_rad = lead_deg * M_PI / 180.0;
     world.targets.write(target, world.now_ns);
     return world.answer_to(id);
   };
   struct Case {
-    c3rt_v2_TargetKind kind;
-    double x, y, radius, lead_deg;
+    task::Request request;
     const char* expected;  // nothing: taken
   };
   for (const Case& c :
-       {Case{c3rt_v2_TARGET_CIRCLE, 5, 5, 0.1, 20, "expected a centre with x in [0.47, 0.63]"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.5, 20, "expected a radius of"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.011, 20, "expected a radius of"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 5, 20, "expected a radius of"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, -180, "expected a lead of"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, 400, "expected a lead of"},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, std::nan(""), 20, "radius_m is nan"},
-        Case{c3rt_v2_TARGET_POINT, 0.9, 0, 0, 0, "expected a point with x in [0.37, 0.73]"},
-        Case{c3rt_v2_TARGET_POINT, 0.5, 0.05, 0, 0, nullptr},
-        Case{c3rt_v2_TARGET_CIRCLE, 0.55, 0, 0.1, -20, nullptr},
-        Case{c3rt_v2_TARGET_HOLD, 0, 0, 0, 0, nullptr},
-        Case{c3rt_v2_TARGET_SCENARIO, 0, 0, 0, 0, nullptr}}) {
-    const wire::ServiceReply reply = ask(c.kind, c.x, c.y, c.radius, c.lead_deg);
-    CAPTURE(c.kind, c.x, c.radius, c.lead_deg, reply.text);
+       {Case{circle(5, 5, 0.1, 20), "center_m: expected 2 numbers from -1 to 1, got 5"},
+        Case{circle(0.9, 0, 0.1, 20), "expected a centre with x in [0.47, 0.63]"},
+        Case{circle(0.55, 0, 0.5, 20), "expected a radius of"},
+        Case{circle(0.55, 0, 0.011, 20), "expected a radius of"},
+        Case{circle(0.55, 0, 5, 20), "radius_m: expected a number from 0.01 to 0.5, got 5"},
+        Case{circle(0.55, 0, 0.1, -179), "expected a lead of"},
+        Case{circle(0.55, 0, 0.1, 400), "lead_rad: expected a number from"},
+        Case{circle(0.55, 0, std::nan(""), 20), "values[0] is nan"},
+        Case{pose(0.9, 0), "expected a goal with x in [0.37, 0.73]"},
+        Case{{"spiral", {}}, "expected one of scenario, hold, circle, path, line, pose, got"},
+        Case{{"circle", {}}, "center_m: expected 2 numbers from -1 to 1, got nothing"},
+        Case{{"hold", {{"x", {1.0}, ""}}}, "expected no parameters, got \"x\""},
+        Case{pose(0.5, 0.05), nullptr}, Case{circle(0.55, 0, 0.1, -20), nullptr},
+        Case{{"path",
+              {{"points_m", {0.5, 0.0, 0.6, 0.0, 0.6, 0.1}, ""},
+               {"interval_s", {2.0}, ""},
+               {"between", {}, "interpolate"},
+               {"lead_s", {0.2}, ""},
+               {"preview", {1.0}, ""}}},
+             nullptr},
+        Case{{"line",
+              {{"x_m", {0.55}, ""},
+               {"step_m", {-0.02}, ""},
+               {"y_end_m", {-0.1}, ""},
+               {"spacing_m", {0.0}, ""}}},
+             nullptr},
+        Case{{"hold", {}}, nullptr}, Case{{"scenario", {}}, nullptr}}) {
+    const wire::ServiceReply reply = ask(c.request);
+    CAPTURE(c.request.kind, reply.text);
     REQUIRE(reply.request_id == id);
     CHECK(reply.process == c3rt_v2_PROCESS_PLANNER);
     CHECK(reply.ok == (c.expected == nullptr));

@@ -1,5 +1,6 @@
 #include "controller/task/task.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -7,6 +8,7 @@
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
+#include "controller/task/pose.hpp"
 
 using namespace c3rt;
 using namespace c3rt::task;
@@ -206,4 +208,112 @@ TEST_CASE("progress: rounds of a path by its clock, bodies of a line that have a
   balls->add(2.0, {{0.55, -0.11}, {0.55, -0.2}});
   CHECK(balls->completed() == 1);
   CHECK(balls->times() == std::vector<double>{2.0});
+}
+
+namespace {
+/// Two goals for the first of two bodies: across, then turned by a quarter.
+const Pose kPoses{
+    0, {{{0.6, 0.0}, std::nullopt, 0.01, 3.15, 0.5}, {{0.6, 0.1}, M_PI / 2, 0.01, 0.1, 0.5}}};
+
+Placement turned(double x, double y, double yaw) {
+  return {Vector2d(x, y), Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()))};
+}
+}  // namespace
+
+TEST_CASE("pose: a goal is done when the body has stayed within its tolerances for the time") {
+  State state;
+  const auto at = [&](double time, const Placement& body) {
+    kPoses.advance(time, body, state);
+    return state.goal;
+  };
+  CHECK(at(0.0, {0.5, 0.0}) == 0);
+  CHECK(at(1.0, {0.595, 0.0}) == 0);
+  CHECK(at(1.4, {0.595, 0.0}) == 0);
+  CHECK(at(1.45, {0.58, 0.0}) == 0);  // it was there, but has left
+  CHECK(at(1.5, {0.605, 0.0}) == 0);
+  CHECK(at(1.99, {0.605, 0.0}) == 0);
+  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.0));
+  CHECK(at(2.0, {0.605, 0.0}) == 1);  // half a second since it came back
+  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.1));
+  CHECK(*kPoses.goal(state)->yaw == M_PI / 2);
+  // the place alone is not enough for the second
+  CHECK(at(3.0, turned(0.6, 0.1, 1.4)) == 1);
+  CHECK(at(4.0, turned(0.6, 0.1, 1.4)) == 1);
+  CHECK(at(5.0, turned(0.6, 0.1, 1.5)) == 1);
+  CHECK(at(5.5, turned(0.6, 0.1, 1.5)) == 2);
+  CHECK(kPoses.done(state));
+  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.1));  // where it is kept
+  CHECK(at(9.0, {0.0, 0.0}) == 2);                      // for good
+}
+
+TEST_CASE("pose: an angle error is the smallest turn, and any tilt counts") {
+  const PoseGoal& goal = kPoses.goals[1];
+  for (const double off : {0.0, 0.3, -0.3, 2.0, 3.0, -3.0}) {
+    for (const double turns : {0.0, 1.0, -1.0}) {
+      CAPTURE(off, turns);
+      const Placement body = turned(0.6, 0.1, M_PI / 2 + off + 2 * M_PI * turns);
+      CHECK(kPoses.angle_error(goal, body) == Approx(std::abs(off)).margin(1e-7));
+    }
+  }
+  const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond tilted =
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())) * upright;
+  CHECK(kPoses.angle_error(goal, {Vector2d(0.6, 0.1), tilted}) == Approx(0.4));
+  CHECK(kPoses.angle_error(kPoses.goals[0], {Vector2d(0.6, 0.1), tilted}) == 0.0);
+}
+
+TEST_CASE("pose: by value the task keeps its state beside it, and other bodies stay") {
+  const Task task = kPoses;
+  State state;
+  scene::Scene scene = with({0.6, 0.0});
+  scene.body_count = 2;
+  scene.body(1).p_WB = {0.5, 0.2, 0.0};
+  CHECK(task.target(scene, 0, 0.0, 0.5) == Vector2d(0.6, 0.0));
+  task.advance(1.0, scene, state);
+  CHECK(state.goal == 0);
+  task.advance(1.6, scene, state);
+  CHECK(state.goal == 1);
+  CHECK(task.target(scene, 0, 0.0, 0.5, state) == Vector2d(0.6, 0.1));
+  CHECK(task.target(scene, 0, 0.0, 0.5) == Vector2d(0.6, 0.0));  // a state anew is its beginning
+  CHECK(task.target(scene, 1, 0.0, 0.5, state) == Vector2d(0.5, 0.2));
+  // what has no goals has no state
+  for (const Task& other : {Task(kCircle), Task(kSquare), Task(kLine)}) {
+    State untouched;
+    other.advance(1.0, scene, untouched);
+    CHECK(untouched.goal == 0);
+    CHECK_FALSE(other.goal(untouched));
+  }
+}
+
+TEST_CASE("progress: of poses it counts goals that are done, and tells the last one's errors") {
+  const auto progress = Task(kPoses).progress();
+  const auto result = [&](const std::string& name) {
+    for (const auto& [key, value] : progress->results()) {
+      if (key == name) return value;
+    }
+    return kNone;
+  };
+  const Placement other(0.0, 0.0);
+  progress->add(0.0, {turned(0.6, 0.0, 0.0), other});
+  progress->add(0.6, {turned(0.6, 0.0, 0.0), other});
+  CHECK(progress->amount() == 1.0);
+  CHECK(progress->completed() == 0);
+  CHECK(std::isnan(progress->judged_from()));
+  CHECK(std::isnan(result("goal_time_s")));
+  CHECK(result("end_position_error_m") == Approx(0.1));
+  CHECK(result("end_angle_error_rad") == Approx(M_PI / 2));
+  progress->add(2.0, {turned(0.606, 0.1, 1.5), other});
+  CHECK(progress->judged_from() == 2.0);
+  progress->add(2.5, {turned(0.606, 0.1, 1.5), other});
+  CHECK(progress->completed() == 1);
+  CHECK(progress->times() == std::vector<double>{2.5});
+  CHECK(result("goals_reached") == 2.0);
+  CHECK(result("goal_time_s") == 2.5);
+  CHECK(result("end_position_error_m") == Approx(0.006));
+  CHECK(result("end_angle_error_rad") == Approx(M_PI / 2 - 1.5));
+  // the figures are those that a scenario may name
+  for (const auto& [key, value] : progress->results()) {
+    const auto names = Task(kPoses).criteria();
+    CHECK(std::find(names.begin(), names.end(), key) != names.end());
+  }
 }
