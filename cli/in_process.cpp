@@ -195,8 +195,9 @@ void InProcess::set_running(wire::Process process, bool runs) {
 void InProcess::restart(wire::Process process) { implementation_->start(process); }
 
 const plant::Node& InProcess::plant() const { return implementation_->plant.node(); }
-const planner::Planner& InProcess::planner() const {
-  return implementation_->planner->node().planner();
+const planner::Node& InProcess::planner() const { return implementation_->planner->node(); }
+const impedance::Node& InProcess::impedance() const {
+  return implementation_->impedance->servo.node();
 }
 
 }  // namespace c3rt::cli

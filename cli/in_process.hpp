@@ -7,6 +7,7 @@
 #include <string>
 
 #include "config/scenario.hpp"
+#include "controller/impedance/node.hpp"
 #include "controller/planner/service.hpp"
 #include "idl/dds.hpp"
 #include "plant_emulator/service.hpp"
@@ -41,7 +42,8 @@ class InProcess {
   void restart(wire::Process process);
 
   const plant::Node& plant() const;
-  const planner::Planner& planner() const;
+  const planner::Node& planner() const;
+  const impedance::Node& impedance() const;
 
  private:
   struct Implementation;

@@ -374,13 +374,14 @@ int WriterBase::matched_readers() const {
   return static_cast<int>(status.current_count);
 }
 
-bool WriterBase::write_sample(Header& header, const void* sample, std::int64_t time_ns) noexcept {
+bool WriterBase::write_sample(Header& header, void* sample, std::int64_t time_ns) noexcept {
+  if (exchange_ != nullptr && !exchange_->passes(topic_, sample)) return true;
   const std::uint64_t seq = seq_.load(std::memory_order_relaxed) + 1;
   header.session_id = bus_.session_id();
   header.seq = seq;
   header.time_ns = time_ns;
   if (exchange_ != nullptr) {
-    exchange_->put(topic_, sample, {identity_, bus_.implementation_->identity});
+    exchange_->put(topic_, sample, {identity_, bus_.implementation_->identity}, seq);
   } else if (dds_write(writer_.handle(), sample) != DDS_RETCODE_OK) {
     return false;
   }
@@ -514,7 +515,7 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
   self.exchange = bus.implementation_->settings.exchange.get();
   if (self.exchange != nullptr) {
     self.inbox = std::make_unique<Inbox>(topic);
-    self.exchange->add_reader(*self.inbox);
+    newest_seq_ = self.exchange->add_reader(*self.inbox);  // nobody waits for what it cannot get
   } else {
     join_dds(kept, wakes, addressee);
   }

@@ -145,7 +145,7 @@ class WriterBase {
  protected:
   WriterBase(Bus& bus, const Topic& topic, std::optional<Process> addressee);
   ~WriterBase();
-  bool write_sample(Header& header, const void* sample, std::int64_t time_ns) noexcept;
+  bool write_sample(Header& header, void* sample, std::int64_t time_ns) noexcept;
 
  private:
   Bus& bus_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "idl/dds.hpp"
 
@@ -9,9 +10,11 @@ namespace c3rt::wire {
 
 std::shared_ptr<Exchange> make_exchange() { return std::make_shared<Exchange>(); }
 
-void Exchange::add_reader(Inbox& inbox) {
+std::uint64_t Exchange::add_reader(Inbox& inbox) {
   const std::lock_guard lock(mutex_);
-  of(inbox.topic_).readers.push_back(&inbox);
+  OfTopic& topic = of(inbox.topic_);
+  topic.readers.push_back(&inbox);
+  return topic.newest_seq;
 }
 
 void Exchange::remove_reader(const Inbox& inbox) {
@@ -52,8 +55,21 @@ int Exchange::writers(const Topic& topic) {
   return static_cast<int>(of(topic).writers.size());
 }
 
-void Exchange::put(const Topic& topic, const void* sample, const Sender& sender) {
+void Exchange::set_filter_of(const Topic& topic, Filter filter) {
   const std::lock_guard lock(mutex_);
+  of(topic).filter = std::move(filter);
+}
+
+bool Exchange::passes(const Topic& topic, void* sample) {
+  const std::lock_guard lock(mutex_);
+  const Filter& filter = of(topic).filter;
+  return !filter || filter(sample);
+}
+
+void Exchange::put(const Topic& topic, const void* sample, const Sender& sender,
+                   std::uint64_t seq) {
+  const std::lock_guard lock(mutex_);
+  of(topic).newest_seq = seq;
   const char* bytes = static_cast<const char*>(sample);
   for (Inbox* inbox : of(topic).readers) {
     inbox->samples_.insert(inbox->samples_.end(), bytes, bytes + inbox->size_);

@@ -3,6 +3,7 @@
 // goes as fast as the processor does.
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -33,7 +34,8 @@ class Inbox {
 /// What is put is there at once, for every reader that exists. From any thread.
 class Exchange {
  public:
-  void add_reader(Inbox& inbox);
+  /// @return the newest sequence number of its topic so far, which it will not get
+  std::uint64_t add_reader(Inbox& inbox);
   void remove_reader(const Inbox& inbox);
   /// A number that nobody else has.
   std::uint64_t identity();
@@ -43,14 +45,28 @@ class Exchange {
   int readers(const Topic& topic);
   int writers(const Topic& topic);
 
-  void put(const Topic& topic, const void* sample, const Sender& sender);
+  /// Looks at every sample of a topic before it is sent, as a bad line would: it may change the
+  /// sample, and one that it holds back (false) was never written. An empty one ends it.
+  template <typename T>
+  void set_filter(const std::function<bool(T&)>& filter) {
+    set_filter_of(
+        topic<T>(),
+        !filter ? Filter() : [filter](void* sample) { return filter(*static_cast<T*>(sample)); });
+  }
+  bool passes(const Topic& topic, void* sample);
+
+  void put(const Topic& topic, const void* sample, const Sender& sender, std::uint64_t seq);
   /// The oldest that was not taken. @return false, and `sample` untouched, if there is none
   bool take(Inbox& inbox, void* sample, Sender& sender);
 
  private:
+  using Filter = std::function<bool(void*)>;
+  void set_filter_of(const Topic& topic, Filter filter);
   struct OfTopic {
     std::vector<Inbox*> readers;
     std::vector<std::uint64_t> writers;
+    Filter filter;
+    std::uint64_t newest_seq = 0;
   };
   OfTopic& of(const Topic& topic) { return topics_[topic.descriptor]; }
 

@@ -28,6 +28,7 @@ class Node {
 
   /// Valid until the next step. RT: no heap, no lock, no throw.
   const Output& step(std::int64_t now_ns, const Input& in) noexcept;
+  const Output& output() const noexcept { return output_; }  // of the last step
 
  private:
   void fill_command() noexcept;

@@ -41,6 +41,7 @@ class Servo {
   void recover() noexcept { recover_.store(true); }
   wire::FaultWindows& faults() noexcept { return faults_; }
 
+  const Node& node() const noexcept { return node_; }  // for the servo's thread
   /// From one other thread. false: no cycle since the last call.
   bool take_snapshot(Snapshot& out) noexcept { return snapshots_.take(out); }
   /// Age of the state that a command answers when the command is handed over [s].

@@ -44,6 +44,7 @@ class Node {
   /// Valid until the next step. What is sent takes effect at a time that does not depend on how
   /// long the solve took, unless that was too long.
   const Output& step(std::int64_t now_ns, const Input& in);
+  const Output& output() const noexcept { return output_; }  // of the last step
 
   const Planner& planner() const noexcept { return planner_; }
 

@@ -119,6 +119,50 @@ TEST_CASE("exchange: a process that is started anew on its bus is heard from its
   CHECK(sample.q_rad[0] == 0.2);
 }
 
+TEST_CASE("exchange: nobody waits for what was written before its reader was there") {
+  const auto exchange = make_exchange();
+  Bus plant(settings(exchange)), planner(settings(exchange));
+  planner.hold_until_promised();
+  Writer<RobotState> states(plant);
+  for (int i = 1; i <= 5; ++i) write(states, 0.1, i);
+  Reader<RobotState> late(planner);
+  Sequences newest{};
+  std::string missing;
+  plant.newest_written(newest);
+  CHECK(planner.wait_for(newest, 0, missing));
+  write(states, 0.2, 6);
+  plant.newest_written(newest);
+  CHECK(planner.wait_for(newest, 0, missing));
+  RobotState sample{};
+  REQUIRE(late.take(sample));
+  CHECK(sample.header.seq == 6);
+}
+
+TEST_CASE("exchange: a filter changes a sample on its way, or holds it back as if never written") {
+  const auto exchange = make_exchange();
+  Bus plant(settings(exchange)), planner(settings(exchange));
+  Writer<RobotState> states(plant);
+  Reader<RobotState> reader(planner);
+  exchange->set_filter<RobotState>([](RobotState& state) {
+    state.q_rad[1] = 0.5;
+    return state.q_rad[0] < 0.3;
+  });
+  for (int i = 1; i <= 5; ++i) write(states, 0.1 * i, i);
+  exchange->set_filter<RobotState>({});
+  write(states, 0.9, 6);
+  RobotState sample{};
+  for (const double expected : {0.1, 0.2}) {
+    REQUIRE(reader.take(sample));
+    CHECK(sample.q_rad[0] == expected);
+    CHECK(sample.q_rad[1] == 0.5);
+  }
+  REQUIRE(reader.take(sample));
+  CHECK(sample.q_rad[0] == 0.9);
+  CHECK(sample.q_rad[1] == 0.0);
+  CHECK(sample.header.seq == 3);
+  CHECK(reader.counters().lost == 0);
+}
+
 TEST_CASE("exchange: what is held back is given out when it is promised, and no further") {
   const auto exchange = make_exchange();
   Bus plant(settings(exchange)), planner(settings(exchange));

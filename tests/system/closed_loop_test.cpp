@@ -1,6 +1,4 @@
 // Plant, emulated sensing, planner and impedance law in one process: what the whole is for.
-#include "tests/support/closed_loop.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,7 +10,7 @@
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
-#include "controller/task/pose.hpp"
+#include "tests/support/run.hpp"
 
 using namespace c3rt;
 
@@ -28,7 +26,7 @@ Course run(const std::string& scenario_name, std::uint64_t seed, double seconds,
   const config::Scenario scenario = config::load_scenario(
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml", overrides);
   const auto& circle = *scenario.task.motion.as<c3rt::task::Circle>();
-  test::ClosedLoop loop(scenario, seed);
+  test::Run loop(scenario, seed);
   Course course;
   double previous = 0.0;
   while (loop.time() < seconds) {
@@ -109,14 +107,14 @@ TEST_CASE(
   const config::Scenario scenario =
       config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/path_rectangle.yaml");
   const auto& path = *scenario.task.motion.as<c3rt::task::Path>();
-  test::ClosedLoop loop(scenario, 1);
+  test::Run loop(scenario, 1);
   double start = -1.0, largest = 0.0, squares = 0.0;
   int rows = 0;
   Eigen::AlignedBox2d visited;
   while (start < 0.0 || loop.time() - start < path.round_duration()) {
     loop.step_1ms();
     REQUIRE(loop.time() < 100.0);
-    const bool rolling = loop.plan().mode == planner::Mode::kTask;
+    const bool rolling = loop.mode() == planner::Mode::kTask;
     if (start < 0.0 && rolling) start = loop.time();
     if (start < 0.0 || loop.time() - start < 1.0) continue;
     const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
@@ -142,7 +140,7 @@ double bring_along_the_line(const std::string& scenario_name, std::uint64_t seed
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
   const auto& line = *scenario.task.motion.as<c3rt::task::Line>();
   const std::size_t balls = scenario.plant.world.balls.size();
-  test::ClosedLoop loop(scenario, seed);
+  test::Run loop(scenario, seed);
   std::vector<double> beside(balls, 0.0);  // until each has arrived
   while (loop.time() < seconds) {
     loop.step_1ms();
@@ -189,12 +187,8 @@ std::vector<std::string> emulated(const std::string& name) {
   return {"vision.source=emulated", "vision.emulated.noise_m=0.00006"};
 }
 
-double ball_speed(test::ClosedLoop& loop, int ball) {
+double ball_speed(test::Run& loop, int ball) {
   return loop.plant().state().balls[static_cast<std::size_t>(ball)].v_WB.head<2>().norm();
-}
-
-void run_until(test::ClosedLoop& loop, double time) {
-  while (loop.time() < time) loop.step_1ms();
 }
 
 }  // namespace
@@ -213,22 +207,22 @@ TEST_CASE(
     const config::Scenario scenario =
         config::load_scenario(scenario_file(start.scenario), emulated(start.scenario));
     const auto& circle = *scenario.task.motion.as<c3rt::task::Circle>();
-    test::ClosedLoop loop(scenario, start.seed);
-    run_until(loop, start.at);
+    test::Run loop(scenario, start.seed);
+    loop.until(start.at);
     REQUIRE(ball_speed(loop, 0) > 0.02);
-    loop.set_target(planner::HoldTarget{});
+    loop.hold();
     loop.step_1ms();
-    run_until(loop, start.at + 0.1);
+    loop.until(start.at + 0.1);
     CHECK_THAT(describe(loop.planner().activity(), scenario.planner, loop.time()),
                Catch::Contains("bringing ball 0 to rest"));
-    run_until(loop, start.at + 5.0);
-    CHECK(loop.plan().mode == planner::Mode::kHold);
+    loop.until(start.at + 5.0);
+    CHECK(loop.mode() == planner::Mode::kHold);
     CHECK(loop.planner().activity().cause == planner::Cause::kAsked);
     // nothing resists it: in a minute it creeps less than the circle's margin to the reach
     CHECK(ball_speed(loop, 0) < 0.004);
     CHECK(loop.plant().state().p_WE.z() > 0.1);
 
-    loop.set_target(planner::ScenarioTarget{});
+    loop.go_on();
     double turns = 0.0, previous = 0.0, error = 0.0;
     const double resumed = loop.time();
     while (loop.time() < resumed + 16.0) {
@@ -250,13 +244,13 @@ TEST_CASE(
 TEST_CASE("closed loop: a hold that ends while the ball is being stopped goes on at once") {
   for (const double hold : {0.3, 2.0}) {
     CAPTURE(hold);
-    test::ClosedLoop loop(config::load_scenario(scenario_file("circle_slow")), 1);
-    run_until(loop, 8.3);
-    loop.set_target(planner::HoldTarget{});
-    run_until(loop, 8.3 + hold);
-    CHECK(loop.plan().mode == planner::Mode::kRest);
-    loop.set_target(planner::ScenarioTarget{});
-    run_until(loop, 16.0);
+    test::Run loop(config::load_scenario(scenario_file("circle_slow")), 1);
+    loop.until(8.3);
+    loop.hold();
+    loop.until(8.3 + hold);
+    CHECK(loop.mode() == planner::Mode::kRest);
+    loop.go_on();
+    loop.until(16.0);
     CHECK(ball_speed(loop, 0) > 0.01);
     const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
     CHECK(std::abs((ball - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1) < 0.02);
@@ -266,13 +260,13 @@ TEST_CASE("closed loop: a hold that ends while the ball is being stopped goes on
 TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes on") {
   const config::Scenario scenario = config::load_scenario(scenario_file("three_balls_plus"));
   const auto& line = *scenario.task.motion.as<c3rt::task::Line>();
-  test::ClosedLoop loop(scenario, 1);
-  run_until(loop, 8.3);
-  loop.set_target(planner::HoldTarget{});
-  run_until(loop, 12.5);
-  CHECK(loop.plan().mode == planner::Mode::kHold);
+  test::Run loop(scenario, 1);
+  loop.until(8.3);
+  loop.hold();
+  loop.until(12.5);
+  CHECK(loop.mode() == planner::Mode::kHold);
   for (int ball = 0; ball < 3; ++ball) CHECK(ball_speed(loop, ball) < 0.004);
-  loop.set_target(planner::ScenarioTarget{});
+  loop.go_on();
   int arrived = 0;
   while (arrived < 3 && loop.time() < 80.0) {
     loop.step_1ms();
@@ -289,20 +283,24 @@ TEST_CASE(
   for (const double at : {7.9, 8.3, 9.1}) {
     for (const bool silent : {false, true}) {
       CAPTURE(at, silent);
-      test::ClosedLoop loop(scenario, 1);
-      run_until(loop, at);
+      test::Run loop(scenario, 1);
+      loop.until(at);
       // vision is stopped, or no camera sees the ball
-      silent ? loop.set_vision_runs(false) : loop.set_in_view(false);
-      run_until(loop, at + 0.7);
+      if (silent) {
+        loop.running.vision = false;
+      } else {
+        loop.set_in_view(false);
+      }
+      loop.until(at + 0.7);
       CHECK(loop.planner().activity().cause ==
             (silent ? planner::Cause::kVisionSilent : planner::Cause::kBodyNotInView));
-      run_until(loop, at + 1.0);
-      loop.set_vision_runs(true);
+      loop.until(at + 1.0);
+      loop.running.vision = true;
       loop.set_in_view(true);
-      run_until(loop, at + 7.0);
+      loop.until(at + 7.0);
       const auto& p_WB = loop.plant().state().balls[0].p_WB;
       const Eigen::Vector2d before = p_WB.head<2>();
-      run_until(loop, at + 10.0);
+      loop.until(at + 10.0);
       const Eigen::Vector2d ball = p_WB.head<2>();
       CHECK((ball - before).norm() > 0.03);  // it rolls on
       CHECK(std::abs((ball - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1) < 0.02);
@@ -315,9 +313,9 @@ TEST_CASE("closed loop: a pose as a target brings the ball there, and keeps it w
     for (const Eigen::Vector2d& point : {Eigen::Vector2d(0.55, 0.0), Eigen::Vector2d(0.45, 0.15)}) {
       CAPTURE(seed, point.x(), point.y());
       const config::Scenario scenario = config::load_scenario(scenario_file("circle_slow"));
-      test::ClosedLoop loop(scenario, seed);
-      run_until(loop, 9.0);
-      loop.set_target(task::Task(task::Pose{0, {{point, std::nullopt, 0.01, M_PI, 1.0}}}));
+      test::Run loop(scenario, seed);
+      loop.until(9.0);
+      loop.bring_to(point);
       while (loop.planner().activity().cause != planner::Cause::kAtTarget && loop.time() < 40.0)
         loop.step_1ms();
       CHECK(loop.planner().activity().cause == planner::Cause::kAtTarget);
