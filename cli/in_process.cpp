@@ -11,6 +11,7 @@
 #include "controller/impedance/service.hpp"
 #include "controller/impedance/servo.hpp"
 #include "idl/endpoint.hpp"
+#include "vision/scene_source.hpp"
 #include "vision/service.hpp"
 
 namespace c3rt::cli {
@@ -97,8 +98,10 @@ struct InProcess::Implementation {
         return;
       case c3rt_v2_PROCESS_VISION:
         vision.reset();
-        vision.emplace(vision_seat.bus, vision_seat.endpoint, scenario.plant.world, scenario.vision,
-                       scenario.timing.vision_latency_s, seed);
+        vision.emplace(vision_seat.bus, vision_seat.endpoint, scenario.vision,
+                       vision::starts_of(scenario.plant.world), scenario.timing.vision_latency_s,
+                       vision::make_scene_source(vision_seat.bus, vision_seat.endpoint,
+                                                 scenario.plant.world, scenario.vision, seed));
         return;
       default:
         throw wire::WireError(std::string("within one process ") + wire::process_name(process) +

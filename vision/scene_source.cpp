@@ -16,8 +16,9 @@ namespace {
 
 class EmulatedSource : public SceneSource {
  public:
-  EmulatedSource(int objects, const Parameters& parameters, std::uint64_t seed)
-      : SceneSource(objects), sensor_(parameters.emulated, seed) {}
+  EmulatedSource(wire::Bus& bus, wire::Endpoint& endpoint, int objects,
+                 const Parameters& parameters, std::uint64_t seed)
+      : SceneSource(bus, endpoint, objects), sensor_(parameters.emulated, seed) {}
 
   void freeze(int, std::int64_t) override {}
 
@@ -39,8 +40,9 @@ class EmulatedSource : public SceneSource {
 
 class CameraSource : public SceneSource {
  public:
-  CameraSource(const plant::World& world, const Parameters& parameters, std::uint64_t seed)
-      : SceneSource(static_cast<int>(world.balls.size())),
+  CameraSource(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
+               const Parameters& parameters, std::uint64_t seed)
+      : SceneSource(bus, endpoint, static_cast<int>(world.balls.size())),
         rig_(plant::drawn_table(world, seed), parameters, seed) {
     // one thread is faster than two that wait for each other on images this small
     cv::setNumThreads(1);
@@ -96,26 +98,49 @@ class CameraSource : public SceneSource {
 
 }  // namespace
 
-bool SceneSource::hear(const wire::Scene& scene) {
-  if (!scene.exposure) return true;
-  if (scene.object_count != objects_) return false;
-  newest_ = scene;
-  new_ = true;
-  return true;
-}
+SceneSource::SceneSource(wire::Bus& bus, wire::Endpoint& endpoint, int objects)
+    : endpoint_(endpoint),
+      objects_(objects),
+      scenes_(bus),
+      foreign_scenes_(endpoint.status().counter("scenes_of_other_balls")) {}
 
 std::optional<std::int64_t> SceneSource::exposed() {
-  if (!new_) return {};
-  new_ = false;
+  bool any = false;
+  wire::Scene scene{};
+  while (scenes_.take(scene)) {
+    if (!scene.exposure) continue;
+    if (scene.object_count == objects_) {
+      any = true;
+      newest_ = scene;
+    } else if (foreign_scenes_++ == 0) {
+      endpoint_.tell(true, "the scene has " + std::to_string(scene.object_count) +
+                               " objects, this scenario " + std::to_string(objects_) +
+                               ": not looked at");
+    }
+  }
+  if (!any) return {};
   return newest_.header.time_ns;
 }
 
-std::unique_ptr<SceneSource> make_scene_source(const plant::World& world,
-                                               const Parameters& parameters, std::uint64_t seed) {
+std::unique_ptr<Source> make_scene_source(wire::Bus& bus, wire::Endpoint& endpoint,
+                                          const plant::World& world, const Parameters& parameters,
+                                          std::uint64_t seed) {
   if (parameters.source == SourceKind::kEmulated) {
-    return std::make_unique<EmulatedSource>(static_cast<int>(world.balls.size()), parameters, seed);
+    return std::make_unique<EmulatedSource>(bus, endpoint, static_cast<int>(world.balls.size()),
+                                            parameters, seed);
   }
-  return std::make_unique<CameraSource>(world, parameters, seed);
+  return std::make_unique<CameraSource>(bus, endpoint, world, parameters, seed);
+}
+
+std::vector<ObjectStart> starts_of(const plant::World& world) {
+  std::vector<ObjectStart> objects;
+  for (std::size_t i = 0; i < world.balls.size(); ++i) {
+    const plant::BallParameters& ball = world.balls[i];
+    objects.push_back({"ball" + std::to_string(i),  // as in the plant's model
+                       ball.radius,
+                       {ball.position.x(), ball.position.y(), world.table_height + ball.radius}});
+  }
+  return objects;
 }
 
 }  // namespace c3rt::vision

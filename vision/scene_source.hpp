@@ -1,10 +1,13 @@
 #pragma once
 // Sources that look at the plant's scene, and are triggered by its exposures.
+#include <atomic>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
-#include "idl/topics.hpp"
+#include "idl/endpoint.hpp"
 #include "plant_emulator/scene.hpp"
+#include "vision/node.hpp"
 #include "vision/parameters.hpp"
 #include "vision/source.hpp"
 
@@ -12,11 +15,10 @@ namespace c3rt::vision {
 
 class SceneSource : public Source {
  public:
-  explicit SceneSource(int objects) : objects_(objects) {}
-  int objects() const noexcept { return objects_; }
+  /// Reads sim/scene. Scenes with another number of objects are not looked at: counted, and told
+  /// once.
+  SceneSource(wire::Bus& bus, wire::Endpoint& endpoint, int objects);
 
-  /// @return false for a scene with another number of objects, which is not looked at
-  bool hear(const wire::Scene& scene);
   std::optional<std::int64_t> exposed() final;
   std::vector<Observation> observe(const std::vector<Prediction>& predictions) final {
     return look(newest_, predictions);
@@ -26,14 +28,20 @@ class SceneSource : public Source {
   virtual std::vector<Observation> look(const wire::Scene& scene,
                                         const std::vector<Prediction>& predictions) = 0;
 
+  wire::Endpoint& endpoint_;
   const int objects_;
-  bool new_ = false;
+  wire::Reader<wire::Scene> scenes_;
+  std::atomic<std::uint64_t>& foreign_scenes_;
   wire::Scene newest_{};
 };
 
 /// The one that the parameters name.
 /// @param seed of its noise, and of the table that the cameras stand on
-std::unique_ptr<SceneSource> make_scene_source(const plant::World& world,
-                                               const Parameters& parameters, std::uint64_t seed);
+std::unique_ptr<Source> make_scene_source(wire::Bus& bus, wire::Endpoint& endpoint,
+                                          const plant::World& world, const Parameters& parameters,
+                                          std::uint64_t seed);
+
+/// What the plant has, before it is seen. Vision knows the table as level.
+std::vector<ObjectStart> starts_of(const plant::World& world);
 
 }  // namespace c3rt::vision

@@ -1,27 +1,12 @@
 #include "vision/service.hpp"
 
 #include <optional>
+#include <utility>
 
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 
 namespace c3rt::vision {
-namespace {
-
-std::vector<ObjectStart> objects_of(const plant::World& world) {
-  std::vector<ObjectStart> objects;
-  for (std::size_t i = 0; i < world.balls.size(); ++i) {
-    const plant::BallParameters& ball = world.balls[i];
-    // named as in the plant's model; vision knows the table as level
-    objects.push_back({"ball" + std::to_string(i),
-                       ball.radius,
-                       {ball.position.x(), ball.position.y(), world.table_height + ball.radius}});
-  }
-  return objects;
-}
-
-}  // namespace
-
 wire::FaultScope fault_scope(const Parameters& parameters) {
   wire::FaultScope scope;
   const bool cameras = parameters.source == SourceKind::kCameras;
@@ -29,34 +14,26 @@ wire::FaultScope fault_scope(const Parameters& parameters) {
   return scope;
 }
 
-Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
-                 const Parameters& parameters, double latency, std::uint64_t seed)
+Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
+                 const std::vector<ObjectStart>& objects, double latency,
+                 std::unique_ptr<Source> source)
     : endpoint_(endpoint),
       realtime_(bus.clock() == wire::ClockMode::kRealtime),
       latency_ns_(base::nanoseconds(latency)),
-      source_(make_scene_source(world, parameters, seed)),
-      node_(parameters, objects_of(world), *source_),
-      scenes_(bus),
+      source_(std::move(source)),
+      node_(parameters, objects, *source_),
       detections_(bus),
       estimates_(bus),
       exposures_(endpoint.status().counter("exposures")),
       dropped_(endpoint.status().counter("dropped_frames")),
       cameras_used_(endpoint.status().counter("cameras_used")),
       lost_events_(endpoint.status().counter("lost_events")),
-      restarts_(endpoint.status().counter("restarts")),
-      foreign_scenes_(endpoint.status().counter("scenes_of_other_balls")) {
+      restarts_(endpoint.status().counter("restarts")) {
   endpoint_.say(c3rt_v2_SERVICE_RUNNING, node_.text());
 }
 
 void Service::step(std::int64_t now_ns) {
   serve_clients(now_ns);
-  wire::Scene scene{};
-  while (scenes_.take(scene)) {
-    if (source_->hear(scene) || foreign_scenes_++ != 0) continue;
-    endpoint_.tell(true, "the scene has " + std::to_string(scene.object_count) +
-                             " objects, this scenario " + std::to_string(source_->objects()) +
-                             ": not looked at");
-  }
   const std::int64_t began_ns = rt::now_ns();
   Node::Output out = node_.step(now_ns);
   if (out.exposure_ns == 0) return;

@@ -8,7 +8,6 @@
 
 #include "idl/endpoint.hpp"
 #include "vision/node.hpp"
-#include "vision/scene_source.hpp"
 
 namespace c3rt::vision {
 
@@ -17,10 +16,11 @@ wire::FaultScope fault_scope(const Parameters& parameters);
 
 class Service {
  public:
-  /// Looks at the plant's scene (make_scene_source).
+  /// @param source where images come from: the plant's scene (make_scene_source), or a camera of
+  /// its own, which reads nothing of the bus and wakes it for each frame (Bus::wake)
   /// @param latency exposure to estimate, in simulated time [s]
-  Service(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
-          const Parameters& parameters, double latency, std::uint64_t seed);
+  Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
+          const std::vector<ObjectStart>& objects, double latency, std::unique_ptr<Source> source);
 
   /// Works on the newest exposure that has come, if there is one.
   void step(std::int64_t now_ns);
@@ -34,13 +34,11 @@ class Service {
   wire::Endpoint& endpoint_;
   const bool realtime_;
   const std::int64_t latency_ns_;
-  std::unique_ptr<SceneSource> source_;
+  const std::unique_ptr<Source> source_;
   Node node_;
-  wire::Reader<wire::Scene> scenes_;
   wire::Writer<wire::ObjectDetection> detections_;
   wire::Writer<wire::ObjectEstimate> estimates_;
-  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_,
-      &foreign_scenes_;
+  std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_;
 };
 
 }  // namespace c3rt::vision

@@ -13,6 +13,7 @@
 #include "controller/rt/thread_setup.hpp"
 #include "idl/bus_settings.hpp"
 #include "idl/shutdown_listener.hpp"
+#include "vision/scene_source.hpp"
 #include "vision/service.hpp"
 
 namespace c3rt::vision {
@@ -58,8 +59,9 @@ int run(int argc, char** argv) {
                             spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}",
                                         said);
                           });
-  Service service(bus, endpoint, scenario.plant.world, parameters, scenario.timing.vision_latency_s,
-                  options->seed);
+  const plant::World& world = scenario.plant.world;
+  Service service(bus, endpoint, parameters, starts_of(world), scenario.timing.vision_latency_s,
+                  make_scene_source(bus, endpoint, world, parameters, options->seed));
   spdlog::info("start scenario={} source={} rate_hz={} cameras={}", scenario.name,
                parameters.source == SourceKind::kCameras ? "cameras" : "emulated", parameters.rate,
                parameters.cameras.size());

@@ -2,10 +2,13 @@
 #include "vision/node.hpp"
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include <catch2/catch.hpp>
+
+#include "vision/service.hpp"
 
 namespace c3rt::vision {
 namespace {
@@ -184,6 +187,37 @@ TEST_CASE("vision node: a NaN, a lost object and a frozen camera last as long as
   world.inject(c3rt_v2_FAULT_NONE, 0.0);
   CHECK(world.source.frozen == -1);
   CHECK(world.step().estimates[0].valid);
+}
+
+TEST_CASE("vision service: a camera of its own gives estimates on a bus that has no sim/scene") {
+  wire::BusSettings settings;
+  settings.clock = wire::ClockMode::kLockstep;
+  settings.session_id = 7;
+  settings.exchange = wire::make_exchange();
+  wire::Bus bus(settings), other(settings);
+  wire::Endpoint endpoint(bus, c3rt_v2_PROCESS_VISION, {}, {});
+  auto camera = std::make_unique<SelfTriggered>();
+  SelfTriggered& source = *camera;
+  Service service(bus, endpoint, parameters(), World::starts(2), 0.005, std::move(camera));
+  wire::Reader<wire::ObjectEstimate> estimates(other);
+  wire::Reader<wire::ObjectDetection> detections(other);
+  wire::ObjectEstimate estimate{};
+  service.step(kMs);
+  CHECK_FALSE(estimates.take(estimate));
+  source.trigger(kPeriod);
+  service.step(kPeriod);
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE(estimates.take(estimate));
+    CHECK(estimate.object_index == i);
+    CHECK(estimate.valid);
+    CHECK(estimate.exposure_ns == kPeriod);
+    CHECK(estimate.header.time_ns == kPeriod + 5 * kMs);
+  }
+  CHECK_FALSE(estimates.take(estimate));
+  wire::ObjectDetection detection{};
+  int count = 0;
+  while (detections.take(detection)) ++count;
+  CHECK(count == 4);
 }
 
 }  // namespace
