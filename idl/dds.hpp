@@ -48,7 +48,7 @@ struct BusSettings {
   bool shares_clock = true;
   /// Not DDS, but the buses of this process with the same exchange; lockstep alone, and domain and
   /// profile mean nothing.
-  std::shared_ptr<Exchange> exchange;
+  std::shared_ptr<Exchange> exchange = nullptr;
 };
 
 /// Gives the calling thread SCHED_FIFO at the priority of threads that carry samples, below every
