@@ -1,5 +1,7 @@
 #include "config/scenario.hpp"
 
+#include <algorithm>
+
 #include "config/robot.hpp"
 #include "controller/impedance/load_parameters.hpp"
 #include "controller/planner/load_parameters.hpp"
@@ -93,12 +95,18 @@ Scenario read_scenario(Section root) {
   scenario.impedance = impedance::load_from_scenario(root);
   scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
                                               static_cast<int>(scenario.plant.world.balls.size()));
-  scenario.vision = vision::load_parameters(root.section("vision"));
+  Section vision = root.section("vision");
+  scenario.vision = vision::load_parameters(vision);
   const std::optional<task::Goal> goal = scenario.task.motion.goal({});
   if (goal && goal->body >= scenario.planner.model.bodies) {
     task.fail("object", "one of the scenario's " + std::to_string(scenario.planner.model.bodies),
               "object " + std::to_string(goal->body));
   }
+  const bool balls =
+      std::none_of(scenario.plant.world.balls.begin(), scenario.plant.world.balls.end(),
+                   [](const auto& object) { return object.half_sizes.has_value(); });
+  if (!balls && scenario.vision.source == vision::SourceKind::kCameras)
+    vision.fail("source", "emulated, as cameras track balls alone", "cameras");
   root.finish();
   scenario.plant.recovers_alone = scenario.service.recovery == Recovery::kAutomatic;
   return scenario;

@@ -9,16 +9,52 @@ namespace c3rt::plant {
 
 namespace {
 
-bool may_overlap(const std::vector<BallParameters>& balls) {
-  for (std::size_t i = 0; i < balls.size(); ++i) {
+/// Seen from above, how far another object has to keep from the centre [m].
+double size(const BallParameters& object) {
+  return object.half_sizes ? object.half_sizes->head<2>().norm() : object.radius;
+}
+
+bool may_overlap(const std::vector<BallParameters>& objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double apart = (balls[i].position - balls[j].position).norm() - balls[i].start_spread -
-                           balls[j].start_spread;
+      const BallParameters &a = objects[i], &b = objects[j];
+      const double apart = (a.position - b.position).norm() - a.start_spread - b.start_spread;
       // two balls on one plane touch at this distance, seen from above
-      if (apart < 2.0 * std::sqrt(balls[i].radius * balls[j].radius)) return true;
+      const bool balls = !a.half_sizes && !b.half_sizes;
+      const double touching = balls ? 2.0 * std::sqrt(a.radius * b.radius) : size(a) + size(b);
+      if (apart < touching) return true;
     }
   }
   return false;
+}
+
+std::vector<config::Section> listed(config::Section& section, const char* key) {
+  return section.has(key) ? section.list(key, 1, kMaxBalls) : std::vector<config::Section>{};
+}
+
+void load_objects(config::Section& section, World& world) {
+  for (config::Section& ball : listed(section, "balls")) {
+    world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}),
+                           ball.number("radius_m", {0.005, 0.2}),
+                           ball.number("mass_kg", {0.001, 10})});
+    if (ball.has("held")) world.balls.back().held = ball.boolean("held");
+    world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1}, 0.0);
+  }
+  for (config::Section& box : listed(section, "boxes")) {
+    world.balls.push_back(
+        {box.numbers("position_m", 2, {-1, 1}), 0.0, box.number("mass_kg", {0.001, 10})});
+    BallParameters& object = world.balls.back();
+    object.half_sizes = box.numbers("half_sizes_m", 3, {0.005, 0.5});
+    object.yaw = box.number("yaw_rad", {-3.2, 3.2}, 0.0);
+    object.start_spread = box.number("start_spread_m", {0, 0.1}, 0.0);
+  }
+  if (world.balls.empty() || world.balls.size() > kMaxBalls) {
+    section.fail("balls", "1 to " + std::to_string(kMaxBalls) + " objects, balls and boxes",
+                 std::to_string(world.balls.size()));
+  }
+  if (may_overlap(world.balls))
+    section.fail("balls", "balls that cannot overlap at the start, start_spread_m included",
+                 "two that can");
 }
 
 PushParameters load_pushes(config::Section section) {
@@ -78,16 +114,7 @@ Parameters load_parameters(config::Section section, const config::Robot& robot) 
                        ", " + std::to_string(p.limits.q_max[i]) + "]",
                    std::to_string(p.initial_q[i]));
   }
-  for (config::Section& ball : section.list("balls", 1, kMaxBalls)) {
-    p.world.balls.push_back({ball.numbers("position_m", 2, {-1, 1}),
-                             ball.number("radius_m", {0.005, 0.2}),
-                             ball.number("mass_kg", {0.001, 10})});
-    if (ball.has("held")) p.world.balls.back().held = ball.boolean("held");
-    p.world.balls.back().start_spread = ball.number("start_spread_m", {0, 0.1}, 0.0);
-  }
-  if (may_overlap(p.world.balls))
-    section.fail("balls", "balls that cannot overlap at the start, start_spread_m included",
-                 "two that can");
+  load_objects(section, p.world);
   if (section.has("pushes")) p.pushes = load_pushes(section.section("pushes"));
   section.finish();
   return p;

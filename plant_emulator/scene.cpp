@@ -124,6 +124,19 @@ Eigen::Vector3d table_center(const World& world) {
   return {kTablePivot.x(), kTablePivot.y(), world.table_height};
 }
 
+Eigen::Quaterniond start_orientation(const World& world, const BallParameters& object) {
+  return table_orientation(world) * Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ());
+}
+
+Eigen::Vector3d inertia_of(const BallParameters& object) {
+  if (!object.half_sizes)
+    return Eigen::Vector3d::Constant(0.4 * object.mass * object.radius * object.radius);
+  const Eigen::Vector3d squares = (2.0 * *object.half_sizes).cwiseAbs2();
+  return object.mass / 12.0 *
+         Eigen::Vector3d(squares.y() + squares.z(), squares.x() + squares.z(),
+                         squares.x() + squares.y());
+}
+
 std::string capsules(int link) {
   std::string text;
   for (const Capsule& c : kCapsules) {
@@ -232,18 +245,20 @@ std::string xml(const SceneParameters& parameters) {
   std::string pairs;
   for (std::size_t i = 0; i < world.balls.size(); ++i) {
     const BallParameters& ball = world.balls[i];
-    const std::string name = "ball" + std::to_string(i);
-    const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
+    const std::string name = object_name(world, static_cast<int>(i));
     text += "<body name=\"" + name + "\" pos=\"" + join(ball_start(world, static_cast<int>(i))) +
+            (ball.half_sizes ? "\" quat=\"" + join(start_orientation(world, ball)) : "") +
             "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" +
-            join(ball.mass) + "\" diaginertia=\"" +
-            join(std::array<double, 3>{inertia, inertia, inertia}) + "\"/>\n<geom name=\"" + name +
-            "\" type=\"sphere\" size=\"" + join(ball.radius) + "\" rgba=\"" +
-            join(kBallColours.at(i)) + " 1\"/>\n</body>\n";
+            join(ball.mass) + "\" diaginertia=\"" + join(inertia_of(ball)) + "\"/>\n<geom name=\"" +
+            name + "\" type=\"" +
+            (ball.half_sizes ? "box\" size=\"" + join(*ball.half_sizes)
+                             : "sphere\" size=\"" + join(ball.radius)) +
+            "\" rgba=\"" + join(kBallColours.at(i)) + " 1\"/>\n</body>\n";
     pairs += contact_pair("table", name, world.friction.ball_table, world.rolling_friction);
     pairs += contact_pair("end_effector", name, world.friction.ball_end_effector, 0);
     for (std::size_t j = 0; j < i; ++j)
-      pairs += contact_pair("ball" + std::to_string(j), name, world.friction.ball_ball, 0);
+      pairs +=
+          contact_pair(object_name(world, static_cast<int>(j)), name, world.friction.ball_ball, 0);
   }
   pairs += contact_pair("table", "end_effector", world.friction.end_effector_table, 0);
 
@@ -284,21 +299,28 @@ void check(const SceneParameters& p) {
   require(e.mass > 0 && e.inertia_xx > 0 && e.inertia_zz > 0 && e.sphere_radius > 0,
           "the end effector needs a mass, inertias and a radius");
   for (const BallParameters& b : w.balls)
-    require(b.radius > 0 && b.mass > 0 && b.position.allFinite(),
-            "a ball needs a radius, a mass and a position");
+    require((b.half_sizes ? b.half_sizes->minCoeff() > 0 : b.radius > 0) && b.mass > 0 &&
+                b.position.allFinite() && std::isfinite(b.yaw),
+            "an object needs a size, a mass and a position");
   require(p.offscreen_width > 0 && p.offscreen_height > 0 && p.offscreen_samples >= 0,
           "offscreen size must be > 0");
 }
 
 }  // namespace
 
+std::string object_name(const World& world, int index) {
+  const bool box = world.balls.at(static_cast<std::size_t>(index)).half_sizes.has_value();
+  return (box ? "box" : "ball") + std::to_string(index);
+}
+
 Eigen::Vector3d ball_start(const World& world, int index) {
   const BallParameters& ball = world.balls.at(static_cast<std::size_t>(index));
   const Eigen::Vector3d n = table_orientation(world) * Eigen::Vector3d::UnitZ();
   const Eigen::Vector2d offset = ball.position - kTablePivot;
-  // n . (p - table_center) = radius
+  // n . (p - table_center) = height above the table
+  const double height = ball.half_sizes ? ball.half_sizes->z() : ball.radius;
   return {ball.position.x(), ball.position.y(),
-          world.table_height + (ball.radius - n.head<2>().dot(offset)) / n.z()};
+          world.table_height + (height - n.head<2>().dot(offset)) / n.z()};
 }
 
 std::string installed_mesh_directory() {

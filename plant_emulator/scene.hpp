@@ -34,6 +34,9 @@ struct BallParameters {
   double mass;                // [kg]; the inertia is that of a solid sphere
   bool held = false;          // a hand holds it where it starts until the end effector touches it
   double start_spread = 0.0;  // `position` is within this of where the scenario says, by seed [m]
+  // a box of even density instead, lying on the table; its radius is 0
+  std::optional<Eigen::Vector3d> half_sizes = {};  // [m]
+  double yaw = 0.0;                                // of a box, at the start [rad]
 };
 
 /// Coulomb friction coefficients, by pair.
@@ -108,6 +111,9 @@ Model compile_model(const std::string& mjcf);
 /// @throws std::invalid_argument for parameters out of range, std::runtime_error with MuJoCo's
 /// words otherwise
 Model build_model(const SceneParameters& parameters);
+
+/// "ball0", "box1": of its body, joint and geom.
+std::string object_name(const World& world, int index);
 
 /// Centre of ball `index` when it touches the table at its start position. [m]
 Eigen::Vector3d ball_start(const World& world, int index);

@@ -14,4 +14,9 @@ Eigen::Vector3d EmulatedSensor::measure(const Eigen::Vector3d& p_WB) noexcept {
   return p_measured;
 }
 
+Eigen::Quaterniond EmulatedSensor::measure(const Eigen::Quaterniond& q_WB) noexcept {
+  const double angle = parameters_.angle_noise * random_.normal();
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * q_WB;
+}
+
 }  // namespace c3rt::vision

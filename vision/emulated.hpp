@@ -3,7 +3,7 @@
 // (VII-A).
 #include <cstdint>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "controller/base/random.hpp"
 #include "vision/parameters.hpp"
@@ -17,6 +17,8 @@ class EmulatedSensor {
       : parameters_(parameters), random_(seed) {}
   /// @param p_WB the true position [m]
   Eigen::Vector3d measure(const Eigen::Vector3d& p_WB) noexcept;
+  /// The same of an orientation, about z.
+  Eigen::Quaterniond measure(const Eigen::Quaterniond& q_WB) noexcept;
 
  private:
   EmulatedParameters parameters_;

@@ -67,6 +67,7 @@ Parameters load_parameters(config::Section section) {
     config::Section emulated = section.section("emulated");
     p.emulated.noise = emulated.number("noise_m", {0, 0.1});
     p.emulated.clip = emulated.number("clip_m", {0, 0.1});
+    p.emulated.angle_noise = emulated.number("angle_noise_rad", {0, 1}, 0.0);
   }
   p.estimator = load_filter(section.section("filter"));
   if (section.given("fusion", cameras, why)) {

@@ -74,6 +74,8 @@ void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& see
   out.valid = estimate.valid;
   out.sensors_used = seen.cameras_used;
   wire::fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : estimate.p_WB);
+  if (seen.measurement.found && seen.measurement.q_WB)
+    wire::fill(out.q_measured, *seen.measurement.q_WB);
   wire::fill(out.p_WB_m, estimate.p_WB);
   wire::fill(out.v_WB_m_per_s, estimate.v_WB);
   wire::fill(out.omega_rad_per_s, estimate.omega_WB);

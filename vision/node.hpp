@@ -2,6 +2,7 @@
 // Vision on the types of the wire: exposures in, estimates out. No bus, no clock, no thread:
 // c3rt-vision gives it both clocks, a test gives it neither.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace c3rt::vision {
 
 /// What there is to know of an object before it is seen.
 struct ObjectStart {
-  std::string name;  // as in the plant's model
-  double radius;     // [m]
+  std::string name;              // as in the plant's model
+  std::optional<double> radius;  // of a ball, which rolls; none: its orientation is measured [m]
   Eigen::Vector3d p_WB;
 };
 

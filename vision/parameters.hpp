@@ -24,8 +24,9 @@ enum class ObjectColours {
 };
 
 struct EmulatedParameters {
-  double noise;  // standard deviation on x and y [m]
-  double clip;   // the noise of one axis never exceeds this [m]
+  double noise;              // standard deviation on x and y [m]
+  double clip;               // the noise of one axis never exceeds this [m]
+  double angle_noise = 0.0;  // of an orientation, about z; a ball's does not show [rad]
 };
 
 struct CameraParameters {

@@ -16,9 +16,13 @@ namespace {
 
 class EmulatedSource : public SceneSource {
  public:
-  EmulatedSource(wire::Bus& bus, wire::Endpoint& endpoint, int objects,
+  EmulatedSource(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
                  const Parameters& parameters, std::uint64_t seed)
-      : SceneSource(bus, endpoint, objects), sensor_(parameters.emulated, seed) {}
+      : SceneSource(bus, endpoint, static_cast<int>(world.balls.size())),
+        sensor_(parameters.emulated, seed) {
+    for (const plant::BallParameters& object : world.balls)
+      turned_.push_back(object.half_sizes.has_value());
+  }
 
   void freeze(int, std::int64_t) override {}
 
@@ -29,6 +33,8 @@ class EmulatedSource : public SceneSource {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const Eigen::Vector3d truth = wire::vector(scene.objects[i].p_WB_m);
       seen[i].measurement = {scene.header.time_ns, truth.norm() < kRange_m, sensor_.measure(truth)};
+      if (turned_[i])
+        seen[i].measurement.q_WB = sensor_.measure(wire::quaternion(scene.objects[i].q_WB));
       seen[i].cameras_used = 1;
     }
     return seen;
@@ -36,6 +42,7 @@ class EmulatedSource : public SceneSource {
 
   static constexpr double kRange_m = 5.0;  // no camera of this table sees farther
   EmulatedSensor sensor_;
+  std::vector<bool> turned_;  // by object: whether its orientation shows
 };
 
 class CameraSource : public SceneSource {
@@ -126,8 +133,7 @@ std::unique_ptr<Source> make_scene_source(wire::Bus& bus, wire::Endpoint& endpoi
                                           const plant::World& world, const Parameters& parameters,
                                           std::uint64_t seed) {
   if (parameters.source == SourceKind::kEmulated) {
-    return std::make_unique<EmulatedSource>(bus, endpoint, static_cast<int>(world.balls.size()),
-                                            parameters, seed);
+    return std::make_unique<EmulatedSource>(bus, endpoint, world, parameters, seed);
   }
   return std::make_unique<CameraSource>(bus, endpoint, world, parameters, seed);
 }
@@ -136,9 +142,11 @@ std::vector<ObjectStart> starts_of(const plant::World& world) {
   std::vector<ObjectStart> objects;
   for (std::size_t i = 0; i < world.balls.size(); ++i) {
     const plant::BallParameters& ball = world.balls[i];
-    objects.push_back({"ball" + std::to_string(i),  // as in the plant's model
-                       ball.radius,
-                       {ball.position.x(), ball.position.y(), world.table_height + ball.radius}});
+    // named as in the plant's model; vision knows the table as level
+    const double height = ball.half_sizes ? ball.half_sizes->z() : ball.radius;
+    objects.push_back({plant::object_name(world, static_cast<int>(i)),
+                       ball.half_sizes ? std::nullopt : std::optional<double>(ball.radius),
+                       {ball.position.x(), ball.position.y(), world.table_height + height}});
   }
   return objects;
 }

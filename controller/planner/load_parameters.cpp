@@ -190,6 +190,14 @@ HeuristicParameters load_heuristic(config::Section heuristic, int bodies) {
   return parameters;
 }
 
+PushParameters load_push(config::Section push) {
+  PushParameters parameters{};
+  parameters.height = push.number("height_m", {1e-3, 0.5});
+  parameters.gap = push.number("gap_m", {1e-3, 0.1});
+  parameters.look_ahead = push.number("look_ahead_m", {1e-3, 1});
+  return parameters;
+}
+
 /// By name: of a strategy that is not chosen the sections may be left out.
 void load_strategy(config::Section& section, Parameters& parameters) {
   if (section.has("strategy")) {
@@ -204,10 +212,17 @@ void load_strategy(config::Section& section, Parameters& parameters) {
         "strategy",
         "one that knows other bodies than spheres, as a " + parameters.model.kind + " is none",
         "time_heuristic");
-  if (section.given("weights", heuristic, "strategy time_heuristic")) {
+  const bool push = parameters.strategy == "push";
+  const std::string why = "strategy " + parameters.strategy;
+  if (section.given("push", push, why)) parameters.push = load_push(section.section("push"));
+  if (section.given("weights", heuristic || push, why)) {
     config::Section weights = section.section("weights");
-    parameters.roll = load_phase(weights, "roll", parameters);
-    parameters.back = load_phase(weights, "return", parameters);
+    if (weights.given("roll", heuristic, why)) {
+      parameters.roll = load_phase(weights, "roll", parameters);
+      parameters.back = load_phase(weights, "return", parameters);
+    }
+    if (weights.given("push", push, why))
+      parameters.push.weights = load_phase(weights, "push", parameters);
   }
   if (section.given("heuristic", heuristic, "strategy time_heuristic"))
     parameters.heuristic = load_heuristic(section.section("heuristic"), parameters.model.bodies);
@@ -236,6 +251,8 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   if (bodies == 1 && section.has("acceleration_filter"))
     parameters.acceleration_filter =
         load_acceleration_filter(section.section("acceleration_filter"));
+
+  if (section.has("scale_forces")) parameters.scale_forces = section.boolean("scale_forces");
 
   config::Section model = section.section("model");
   parameters.model = load_model(model, bodies);

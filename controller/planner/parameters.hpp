@@ -68,6 +68,14 @@ struct HeuristicParameters {
   double room_ahead = 0.0;     // a body with another one ahead and nearer than this has no room [m]
 };
 
+/// How a body is pushed to its goal.
+struct PushParameters {
+  double height = 0.0;      // of the end effector above the table [m]
+  double gap = 0.0;         // between its surface and the body's where C3 takes over [m]
+  double look_ahead = 0.0;  // the body is drawn no farther than this [m]
+  PhaseWeights weights;
+};
+
 /// The way to the start pose and the behaviour when the body is lost.
 struct ApproachParameters {
   double speed;         // of the end effector's reference [m/s]
@@ -110,6 +118,7 @@ struct Parameters {
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;
+  PushParameters push;
   ApproachParameters approach;
   task::Task task = task::Circle{};
   DeltaTcSource delta_t_c_source;

@@ -51,6 +51,7 @@ struct Goal {
   int body;
   Eigen::Vector2d at;         // in W [m]
   std::optional<double> yaw;  // about z; none: however it is turned [rad]
+  double position_tolerance;  // [m]
 };
 
 /// What a task of several goals remembers. Whoever follows a task keeps it beside it; State{} is
@@ -110,6 +111,8 @@ class Task {
   }
   /// Where a body is to come to rest next, or for good; none of a task that goes on and on.
   std::optional<Goal> goal(const State& state) const noexcept { return held_->goal(state); }
+  /// Whether all goals are done; never of a task without any.
+  bool done(const State& state) const noexcept { return held_->done(state); }
   /// Keeps the state true. @param elapsed since the task began [s]
   void advance(double elapsed, const scene::Scene& scene, State& state) const noexcept {
     held_->advance(elapsed, scene, state);
@@ -159,6 +162,7 @@ class Task {
     virtual Eigen::Vector2d target(const scene::Scene&, int, double, double,
                                    const State&) const noexcept = 0;
     virtual std::optional<Goal> goal(const State&) const noexcept = 0;
+    virtual bool done(const State&) const noexcept = 0;
     virtual void advance(double, const scene::Scene&, State&) const noexcept = 0;
     virtual Eigen::Vector2d velocity(double, double) const noexcept = 0;
     virtual double error(double, const Eigen::Vector2d&) const noexcept = 0;
@@ -194,6 +198,10 @@ class Task {
     std::optional<Goal> goal([[maybe_unused]] const State& state) const noexcept override {
       if constexpr (HasGoals<Kind>::value) return task.goal(state);
       return std::nullopt;
+    }
+    bool done([[maybe_unused]] const State& state) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) return task.done(state);
+      return false;
     }
     void advance([[maybe_unused]] double elapsed, [[maybe_unused]] const scene::Scene& scene,
                  [[maybe_unused]] State& state) const noexcept override {

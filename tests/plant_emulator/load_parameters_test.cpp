@@ -93,5 +93,27 @@ TEST_CASE("a mistake in the plant's section is refused with its line and key") {
                     Catch::Contains("balls") && Catch::Contains("overlap"));
 }
 
+TEST_CASE("boxes stand beside balls or in their place, and overlap with nothing") {
+  const std::string boxes =
+      "boxes: [{position_m: [0.6, -0.1], half_sizes_m: [0.05, 0.04, 0.03], mass_kg: 0.5, yaw_rad: "
+      "0.3}]\n";
+  const Parameters both = parse(kYaml + boxes);
+  REQUIRE(both.world.balls.size() == 3);
+  CHECK(object_name(both.world, 1) == "ball1");
+  CHECK(object_name(both.world, 2) == "box2");
+  CHECK(*both.world.balls[2].half_sizes == Eigen::Vector3d(0.05, 0.04, 0.03));
+  CHECK(both.world.balls[2].yaw == 0.3);
+  CHECK_FALSE(both.world.balls[0].half_sizes);
+  const std::string without = kYaml.substr(0, kYaml.find("balls:"));
+  CHECK(parse(without + boxes).world.balls.size() == 1);
+  CHECK_THROWS_WITH(parse(without), Catch::Contains("1 to 4 objects"));
+  // half a diagonal from the centre a ball may touch a corner
+  const std::string near =
+      "boxes: [{position_m: [0.55, 0.03], half_sizes_m: [0.05, 0.04, 0.03], mass_kg: 0.5}]\n";
+  CHECK_THROWS_WITH(parse(kYaml + near), Catch::Contains("cannot overlap"));
+  CHECK_THROWS_WITH(parse(without + "boxes: [{position_m: [0.6, 0], mass_kg: 0.5}]\n"),
+                    Catch::Contains("half_sizes_m"));
+}
+
 }  // namespace
 }  // namespace c3rt::plant

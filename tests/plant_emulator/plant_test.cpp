@@ -457,6 +457,31 @@ TEST_CASE("mode table") {
   }
 }
 
+TEST_CASE(
+    "a box lies on the table as the scenario says, and a push slides it as far as friction lets") {
+  Parameters parameters = test_parameters();
+  parameters.world.friction.ball_table = 0.4;
+  BallParameters box{{0.55, 0.1}, 0.0, 0.5};
+  box.half_sizes = Eigen::Vector3d(0.05, 0.04, 0.03);
+  box.yaw = 0.5;
+  parameters.world.balls = {box};
+  Plant plant(parameters);
+  const scene::Body start = plant.state().balls[0];
+  CHECK((start.p_WB - Eigen::Vector3d(0.55, 0.1, -0.0245 + 0.03)).norm() < 1e-12);
+  CHECK(scene::yaw(start) == Approx(0.5));
+  for (int i = 0; i < 500; ++i) plant.step_1ms();
+  CHECK((plant.state().balls[0].p_WB - start.p_WB).norm() < 2e-4);
+  CHECK(std::abs(scene::yaw(plant.state().balls[0]) - 0.5) < 1e-4);
+  // v = 0.2 / 0.5, s = v^2 / (2 mu g)
+  const Eigen::Vector3d rest = plant.state().balls[0].p_WB;
+  plant.push_ball(0, {0.2, 0.0, 0.0});
+  for (int i = 0; i < 1000; ++i) plant.step_1ms();
+  const Eigen::Vector3d moved = plant.state().balls[0].p_WB - rest;
+  CHECK(moved.x() == Approx(0.4 * 0.4 / (2.0 * 0.4 * 9.81)).epsilon(0.05));
+  CHECK(std::abs(moved.y()) < 1e-3);
+  CHECK(plant.state().balls[0].v_WB.norm() < 1e-3);
+}
+
 TEST_CASE("every error has its own name") {
   CHECK(names(0).empty());
   CHECK(names(bit(Error::kJointVelocityViolation) | bit(Error::kCommandNotFinite)) ==

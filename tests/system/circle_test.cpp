@@ -165,3 +165,15 @@ TEST_CASE(
     CHECK(kill(pid, 0) != 0);
   }
 }
+
+TEST_CASE("system: a box goes through plant, vision and planner to its goal pose") {
+  const Run pushed = run("push_box", {"push_box", "--seed", "3"});
+  REQUIRE(pushed.status == 0);
+  const json& task = pushed.report.at("task");
+  CHECK(task.at("goals_reached") == 1);
+  CHECK(task.at("goal_time_s").get<double>() < 10.0);
+  CHECK(task.at("end_position_error_m").get<double>() < 0.01);
+  CHECK(task.at("end_angle_error_rad").get<double>() < 0.15);
+  // it began a tenth of a metre away
+  CHECK(pushed.report.at("objects").at(0).at("max_error_m").get<double>() > 0.09);
+}

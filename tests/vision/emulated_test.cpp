@@ -54,3 +54,24 @@ TEST_CASE("emulated: noise is clipped, and without noise the truth passes throug
   }
   REQUIRE(largest == 0.01);
 }
+
+TEST_CASE("emulated: an orientation is turned about z, with the wanted spread") {
+  constexpr int kSamples = 20000;
+  EmulatedParameters parameters{0.001, 0.01};
+  parameters.angle_noise = 0.02;
+  EmulatedSensor sensor(parameters, 7);
+  const Eigen::Quaterniond truth =
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())) *
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+  double sum = 0.0, squares = 0.0;
+  for (int k = 0; k < kSamples; ++k) {
+    const Eigen::AngleAxisd turn(sensor.measure(truth) * truth.conjugate());
+    const double angle = turn.angle() * turn.axis().z();
+    REQUIRE(turn.axis().head<2>().norm() < 1e-6);
+    sum += angle;
+    squares += angle * angle;
+  }
+  // four standard errors
+  CHECK(std::abs(sum / kSamples) < 4 * 0.02 / std::sqrt(kSamples));
+  CHECK(std::sqrt(squares / kSamples) == Approx(0.02).margin(4 * 0.02 / std::sqrt(2.0 * kSamples)));
+}

@@ -31,15 +31,24 @@ Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB,
   return (turn * q_WB).normalized();
 }
 
-Estimator::Estimator(const EstimatorParameters& parameters, double ball_radius)
-    : parameters_(parameters), radius_(ball_radius) {
+Eigen::Vector3d rotation_between(const Eigen::Quaterniond& from,
+                                 const Eigen::Quaterniond& to) noexcept {
+  Eigen::Quaterniond turn = to * from.conjugate();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();  // the shorter way
+  const double sine = turn.vec().norm();
+  if (sine < 1e-9) return 2.0 * turn.vec();
+  return 2.0 * std::atan2(sine, turn.w()) / sine * turn.vec();
+}
+
+Estimator::Estimator(const EstimatorParameters& parameters, std::optional<double> rolling_radius)
+    : parameters_(parameters), radius_(rolling_radius) {
   const auto weight = [](double w) { return w > 0.0 && w <= 1.0; };
   require(weight(parameters.position_weight), "estimator: position_weight is not in (0, 1]");
   require(weight(parameters.velocity_weight), "estimator: velocity_weight is not in (0, 1]");
   require(parameters.lost_after > 0.0, "estimator: lost_after is not positive");
   require(parameters.gate > 0.0, "estimator: gate is not positive");
   require(parameters.gate_misses >= 0, "estimator: gate_misses is negative");
-  require(ball_radius > 0.0, "estimator: ball_radius is not positive");
+  require(!rolling_radius || *rolling_radius > 0.0, "estimator: ball_radius is not positive");
 }
 
 void Estimator::restart(const Measurement& measurement) noexcept {
@@ -51,6 +60,7 @@ void Estimator::restart(const Measurement& measurement) noexcept {
   // a difference across the gap would be a velocity that the ball never had
   estimate_.v_WB.setZero();
   estimate_.omega_WB.setZero();
+  if (measurement.q_WB) estimate_.q_WB = *measurement.q_WB;
   difference_.setZero();
   p_measured_ = measurement.p_WB;
   measured_ns_ = measurement.exposure_ns;
@@ -64,7 +74,8 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
   estimate_.measured = false;
   estimate_.restarted = false;
 
-  const bool found = measurement.found && measurement.p_WB.allFinite();
+  const bool turned = !measurement.q_WB || measurement.q_WB->coeffs().allFinite();
+  const bool found = measurement.found && measurement.p_WB.allFinite() && turned;
   const double dt = base::seconds(measurement.exposure_ns - measured_ns_);
   if (estimate_.seen && dt > parameters_.lost_after) estimate_.valid = false;
 
@@ -97,13 +108,21 @@ const Estimate& Estimator::step(const Measurement& measurement) noexcept {
 
   estimate_.p_WB = p;
   estimate_.v_WB = v;
-  estimate_.omega_WB = rolling_angular_velocity(v, radius_);
-  estimate_.q_WB = integrate_rotation(estimate_.q_WB, estimate_.omega_WB, dt);
+  turn(measurement, dt);
   estimate_.measured = true;
   p_measured_ = measurement.p_WB;
   measured_ns_ = measurement.exposure_ns;
   misses_ = 0;
   return estimate_;
+}
+
+void Estimator::turn(const Measurement& measurement, double dt) noexcept {
+  if (radius_) estimate_.omega_WB = rolling_angular_velocity(estimate_.v_WB, *radius_);
+  estimate_.q_WB = integrate_rotation(estimate_.q_WB, estimate_.omega_WB, dt);
+  if (radius_ || !measurement.q_WB) return;
+  const Eigen::Vector3d e = rotation_between(estimate_.q_WB, *measurement.q_WB);
+  estimate_.q_WB = integrate_rotation(estimate_.q_WB, e, parameters_.position_weight);
+  estimate_.omega_WB += parameters_.velocity_weight / dt * e;
 }
 
 Eigen::Vector3d Estimator::predict(std::int64_t exposure_ns) const noexcept {

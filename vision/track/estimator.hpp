@@ -1,6 +1,8 @@
 #pragma once
-// Ball state from ball positions, one ball. Pure; times are the exposures' stamps.
+// A body's state from its positions, and of a body that does not roll from its orientations. Pure;
+// times are the exposures' stamps.
 #include <cstdint>
+#include <optional>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -29,6 +31,8 @@ struct Measurement {
   std::int64_t exposure_ns = 0;
   bool found = false;
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  // used only if found [m]
+  // of a body whose orientation shows; of a ball it does not
+  std::optional<Eigen::Quaternion<double, Eigen::DontAlign>> q_WB = {};
 };
 
 struct Estimate {
@@ -55,6 +59,11 @@ Eigen::Vector3d rolling_angular_velocity(const Eigen::Vector3d& v_WB, double rad
 Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB,
                                       const Eigen::Vector3d& omega_WB, double dt) noexcept;
 
+/// The rotation vector, in W, that turns one orientation into another, 0 … π [rad].
+/// RT: no heap, no lock, no throw.
+Eigen::Vector3d rotation_between(const Eigen::Quaterniond& from,
+                                 const Eigen::Quaterniond& to) noexcept;
+
 /// Low-pass filter of the position, velocity by finite differences of the filtered position over
 /// the exposures' stamps, angular velocity and orientation by rolling without slipping [C3, VII-A
 /// and VII-C]:
@@ -62,11 +71,17 @@ Eigen::Quaterniond integrate_rotation(const Eigen::Quaterniond& q_WB,
 ///   p = (1 − a) p_meas(previous) + a p_meas(new)
 ///   d = (p − p(previous)) / dt
 ///   v = (1 − b) d(previous) + b d(new)          (kTwoTap)
+///
+/// The orientation of a body that does not roll is corrected as the position by kPredicting, with
+/// the same weights, whatever the filter:
+///
+///   e = log(q_meas q_expected⁻¹),   q = exp(a e) q_expected,   ω = ω(previous) + b e / dt
 class Estimator {
  public:
   /// @throws std::invalid_argument if a weight is outside (0, 1], or a length or time is not
   /// positive
-  Estimator(const EstimatorParameters& parameters, double ball_radius);
+  /// @param rolling_radius of a ball; none: a body that lies on its face and is turned [m]
+  Estimator(const EstimatorParameters& parameters, std::optional<double> rolling_radius);
 
   /// One exposure, found or not. Exposures that are not newer than the last one change nothing.
   /// RT: no heap, no lock, no throw.
@@ -80,9 +95,11 @@ class Estimator {
 
  private:
   void restart(const Measurement& measurement) noexcept;
+  /// Of a used measurement, dt after the one before it.
+  void turn(const Measurement& measurement, double dt) noexcept;
 
   EstimatorParameters parameters_;
-  double radius_;
+  std::optional<double> radius_;
   Estimate estimate_;
   std::int64_t measured_ns_ = 0;  // exposure of the last measurement that was used
   Eigen::Vector3d p_measured_ = Eigen::Vector3d::Zero();

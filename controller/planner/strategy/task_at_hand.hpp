@@ -1,6 +1,7 @@
 #pragma once
 // Which task a strategy follows, since when, and how far it is: the scenario's, or a client's in
 // its place.
+#include <cmath>
 #include <optional>
 
 #include "controller/planner/input.hpp"
@@ -35,6 +36,10 @@ class TaskAtHand {
   /// Since it began; 0 before [s].
   double elapsed(double now) const { return at_hand().since < 0.0 ? 0.0 : now - at_hand().since; }
   std::optional<task::Goal> goal() const { return task().goal(at_hand().state); }
+  /// Every goal of a task that has some.
+  bool done() const { return task().done(at_hand().state); }
+  /// The goal is, for now.
+  bool reached() const { return !std::isnan(at_hand().state.reached_since); }
   Eigen::Vector2d target(const scene::Scene& scene, int body, double now, double ahead) const {
     return task().target(scene, body, elapsed(now), ahead, at_hand().state);
   }

@@ -191,3 +191,69 @@ TEST_CASE("estimator: step and predict do not allocate") {
   REQUIRE(sum.allFinite());
   REQUIRE(heap_calls == 0);
 }
+
+TEST_CASE("rotation: the vector between two orientations turns one into the other, the short way") {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
+  const Eigen::Quaterniond from(
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, 0.9, -0.3).normalized()));
+  for (const double angle : {0.0, 1e-12, 1e-4, 0.3, 3.0, -3.0}) {
+    Eigen::Quaterniond to = Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)) * from;
+    for (int sign = 0; sign < 2; ++sign) {
+      CAPTURE(angle, sign);
+      CHECK((rotation_between(from, to) - angle * axis).norm() < 1e-12);
+      to.coeffs() = -to.coeffs();  // the same orientation
+    }
+  }
+}
+
+TEST_CASE("estimator: the orientation of a body that does not roll follows its measurements") {
+  EstimatorParameters p = parameters();
+  p.velocity_filter = VelocityFilter::kPredicting;
+  p.position_weight = 0.5;
+  p.velocity_weight = 0.2;
+  Estimator estimator(p, std::nullopt);
+  // it turns at 0.8 rad/s about z while it slides along x
+  const double omega = 0.8;
+  const auto truth = [&](int k) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(0.3 + omega * k * kDt, Eigen::Vector3d::UnitZ()));
+  };
+  for (int k = 1; k <= 400; ++k) {
+    Measurement measurement = seen(k * kPeriod, {0.5 + 0.05 * k * kDt, 0.0, 0.03});
+    Eigen::Quaterniond measured = truth(k);
+    if (k % 3 == 0) measured.coeffs() = -measured.coeffs();  // the same orientation
+    measurement.q_WB = measured;
+    estimator.step(measurement);
+    if (k == 1) CHECK(estimator.estimate().q_WB.angularDistance(truth(1)) < 1e-9);
+  }
+  const Estimate& estimate = estimator.estimate();
+  // a constant rate is learnt without lag, and rolling has no say in it
+  CHECK(estimate.q_WB.angularDistance(truth(400)) < 1e-6);
+  CHECK((estimate.omega_WB - Eigen::Vector3d(0.0, 0.0, omega)).norm() < 1e-6);
+  CHECK((estimate.v_WB - Eigen::Vector3d(0.05, 0.0, 0.0)).norm() < 1e-6);
+}
+
+TEST_CASE(
+    "estimator: noise of an orientation is smoothed, and one that is not finite is not taken") {
+  EstimatorParameters p = parameters();
+  p.velocity_filter = VelocityFilter::kPredicting;
+  p.position_weight = 0.3;
+  p.velocity_weight = 0.02;
+  Estimator estimator(p, std::nullopt);
+  double filtered = 0.0, raw = 0.0;
+  for (int k = 1; k <= 4000; ++k) {
+    // a saw-tooth of ±10 mrad with many frequencies stands for noise
+    const double angle = 0.02 * (std::fmod(k * 0.6180339887, 1.0) - 0.5);
+    Measurement measurement = seen(k * kPeriod, {0.5, 0.0, 0.03});
+    measurement.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+    const Estimate& estimate = estimator.step(measurement);
+    if (k <= 1000) continue;
+    raw += angle * angle;
+    const double left = estimate.q_WB.angularDistance(Eigen::Quaterniond::Identity());
+    filtered += left * left;
+  }
+  CHECK(filtered < 0.25 * raw);
+  Measurement bad = seen(4001 * kPeriod, {0.5, 0.0, 0.03});
+  bad.q_WB = Eigen::Quaterniond(std::numeric_limits<double>::quiet_NaN(), 0, 0, 0);
+  CHECK_FALSE(estimator.step(bad).measured);
+  CHECK(estimator.estimate().q_WB.coeffs().allFinite());
+}
