@@ -86,13 +86,13 @@ TEST_CASE("Outlet: what was put last is written even when the outlet closes at o
     {
       Outlet<TaskTarget> outlet(plant);
       REQUIRE(eventually([&] { return outlet.matched_readers() == 1; }));
-      target.radius_m = 0.1 * i;
+      target.request_id = static_cast<std::uint64_t>(i);
       bus.adopt_session(1);
       outlet.put(target, kMs);
     }
     TaskTarget seen{};
     REQUIRE(eventually([&] { return targets.take(seen); }));
-    CHECK(seen.radius_m == 0.1 * i);
+    CHECK(seen.request_id == static_cast<std::uint64_t>(i));
   }
 }
 
