@@ -85,12 +85,13 @@ std::vector<lcs::Lcs> read_systems(const Json& json, const std::string& name, in
 
 /// c3's checks name its own fields; the file's reader knows the file's keys.
 std::string in_file_terms(std::string message) {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto type : c3::kProjectionTypes) {
+    for (const c3::ProjectionWeight& weight : type().weights)
+      names.emplace_back(std::string("Costs.") + type().key + "." + weight.key,
+                         std::string("params.") + weight.problem_name);
+  }
   static const std::pair<const char*, const char*> kNames[] = {
-      {"Costs.convex.Q_x", "params.Qx"},
-      {"Costs.convex.Q_u", "params.Qu"},
-      {"Costs.convex.alpha", "params.alpha"},
-      {"Costs.convex.epsilon", "params.eps"},
-      {"Costs.plus.", "params."},
       {"Costs.Q_N", "params.QN"},
       {"Costs.", "params."},
       {"Constraints.x_N_min", "params.xmin"},
@@ -107,12 +108,33 @@ std::string in_file_terms(std::string message) {
       {"Settings.rho_scale", "params.rho_s"},
       {"Settings.rho", "params.rho"},
   };
-  for (const auto& [ours, theirs] : kNames) {
+  names.insert(names.end(), std::begin(kNames), std::end(kNames));
+  for (const auto& [ours, theirs] : names) {
     for (std::size_t at = message.find(ours); at != std::string::npos; at = message.find(ours)) {
-      message.replace(at, std::char_traits<char>::length(ours), theirs);
+      message.replace(at, ours.size(), theirs);
     }
   }
   return message;
+}
+
+void read_weight(JsonReader& params, const c3::ProjectionWeight& weight, ProblemFile& p) {
+  using Shape = c3::ProjectionWeight::Shape;
+  const char* name = weight.problem_name;
+  switch (weight.shape) {
+    case Shape::kOfStates:
+      weight.matrix(p.costs) = params.matrix(name, p.sizes.n_x, p.sizes.n_x);
+      break;
+    case Shape::kOfInputs:
+      weight.matrix(p.costs) = params.matrix(name, p.sizes.n_u, p.sizes.n_u);
+      break;
+    case Shape::kOfForces:
+    case Shape::kOfGaps:
+      weight.vector(p.costs) = params.numbers(name, p.sizes.n_lambda);
+      break;
+    case Shape::kNumber:
+      weight.number(p.costs) = params.number(name, weight.minimum, weight.maximum);
+      break;
+  }
 }
 
 void read_costs(JsonReader& params, ProblemFile& p) {
@@ -124,24 +146,15 @@ void read_costs(JsonReader& params, ProblemFile& p) {
   const bool c3 = p.method == Method::kC3;
   const c3::ProjectionKind kind = p.settings.projection;
   const c3::ProjectionType& type = c3::projection_type(kind);
-  const bool plus = kind == c3::ProjectionKind::kPlus;
   // a parameter set may hold what another projection needs
   if (params.has("G") || (c3 && type.needs_G)) p.costs.G = params.matrices("G", n_z, n_z, N);
   if (params.has("U") || (c3 && type.needs_U)) p.costs.U = params.matrix("U", n_z, n_z);
-  if (params.has("Qx") || kind == c3::ProjectionKind::kConvex) {
-    p.costs.convex.Q_x = params.matrix("Qx", n_x, n_x);
-  }
-  if (params.has("Qu") || kind == c3::ProjectionKind::kConvex) {
-    p.costs.convex.Q_u = params.matrix("Qu", n_u, n_u);
-  }
-  if (params.has("alpha") || kind == c3::ProjectionKind::kConvex) {
-    p.costs.convex.alpha = params.number("alpha", 0.0, 1.0);
-  }
-  p.costs.convex.epsilon = params.number("eps", 0.0, kInfinity, 0.0);
-  for (const auto& [key, weight] :
-       {std::pair{"g_lambda", &p.costs.plus.g_lambda}, std::pair{"g_eta", &p.costs.plus.g_eta},
-        std::pair{"u_lambda", &p.costs.plus.u_lambda}, std::pair{"u_eta", &p.costs.plus.u_eta}}) {
-    if (params.has(key) || plus) *weight = params.numbers(key, n_lambda);
+  for (const auto other : c3::kProjectionTypes) {
+    for (const c3::ProjectionWeight& weight : other().weights) {
+      const char* name = weight.problem_name;
+      if (params.has(name) || (other().kind == kind && !weight.has_default))
+        read_weight(params, weight, p);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "controller/example/load_experiment.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <string>
 #include <vector>
@@ -61,27 +62,17 @@ void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
     costs.Q_N = costs.Q[0];
   }
   const c3::ProjectionKind projection = e.c3.projection;
-  const bool is_convex = projection == c3::ProjectionKind::kConvex;
-  const bool is_plus = projection == c3::ProjectionKind::kPlus;
-  if (section.given("G", !is_plus, "a projection other than plus"))
-    costs.G = load_z_weight(section.section("G"), s);
-  const bool weighs =
-      projection == c3::ProjectionKind::kMiqp || projection == c3::ProjectionKind::kAdmm;
-  if (section.given("U", weighs, "projection miqp or admm"))
-    costs.U = load_z_weight(section.section("U"), s);
-  if (section.given("convex", is_convex, "projection convex")) {
-    config::Section convex = section.section("convex");
-    costs.convex.Q_x = convex.number("Q_x", {1e-12, 1e12}) * MatrixXd::Identity(s.n_x, s.n_x);
-    costs.convex.Q_u = convex.number("Q_u", {1e-12, 1e12}) * MatrixXd::Identity(s.n_u, s.n_u);
-    costs.convex.alpha = convex.number("alpha", {0, 1});
-    costs.convex.epsilon = convex.number("epsilon", {0, 1e6});
-  }
-  if (!section.given("plus", is_plus, "projection plus")) return;
-  config::Section plus = section.section("plus");
-  for (const auto& [key, weight] :
-       {std::pair{"g_lambda", &costs.plus.g_lambda}, std::pair{"g_eta", &costs.plus.g_eta},
-        std::pair{"u_lambda", &costs.plus.u_lambda}, std::pair{"u_eta", &costs.plus.u_eta}}) {
-    *weight = VectorXd::Constant(s.n_lambda, plus.number(key, {1e-12, 1e12}));
+  const c3::ProjectionType& type = c3::projection_type(projection);
+  const std::string chosen = std::string("projection ") + type.key;
+  if (section.given("G", type.needs_G, chosen)) costs.G = load_z_weight(section.section("G"), s);
+  if (section.given("U", type.needs_U, chosen)) costs.U = load_z_weight(section.section("U"), s);
+  for (const auto other : c3::kProjectionTypes) {
+    const std::vector<c3::ProjectionWeight>& weights = other().weights;
+    if (weights.empty() || !section.given(other().key, &other() == &type, chosen)) continue;
+    config::Section own = section.section(other().key);
+    for (const c3::ProjectionWeight& weight : weights)
+      weight.fill(costs, s,
+                  own.number(weight.key, {weight.minimum, std::min(weight.maximum, kWeight.max)}));
   }
 }
 

@@ -1,5 +1,6 @@
 #include "controller/planner/load_parameters.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "controller/c3/load_settings.hpp"
@@ -13,10 +14,43 @@ constexpr config::Range kWeight{0.0, 1e12};
 constexpr config::Range kPositiveWeight{1e-12, 1e12};
 
 /// One weight for all rows of η, or `KEY_distance` and `KEY_slip` beside that of the cone.
-PhaseWeights::Rows load_rows(config::Section& plus, const std::string& key) {
-  const double cone = plus.number(key, kPositiveWeight);
-  return {cone, plus.number(key + "_distance", kPositiveWeight, cone),
-          plus.number(key + "_slip", kPositiveWeight, cone)};
+PhaseWeights::Rows load_rows(config::Section& section, const std::string& key,
+                             config::Range allowed) {
+  const double cone = section.number(key, allowed);
+  return {cone, section.number(key + "_distance", allowed, cone),
+          section.number(key + "_slip", allowed, cone)};
+}
+
+/// The weights that one projection alone has; those of x and u are U's.
+std::map<std::string, PhaseWeights::Rows> load_own(config::Section section,
+                                                   const c3::ProjectionType& type) {
+  using Shape = c3::ProjectionWeight::Shape;
+  std::map<std::string, PhaseWeights::Rows> own;
+  for (const c3::ProjectionWeight& weight : type.weights) {
+    const config::Range allowed{weight.minimum, std::min(weight.maximum, kWeight.max)};
+    switch (weight.shape) {
+      case Shape::kOfStates:
+      case Shape::kOfInputs:
+        break;
+      case Shape::kOfGaps:
+        own[weight.key] = load_rows(section, weight.key, allowed);
+        break;
+      case Shape::kOfForces:
+        if (weight.of_consensus && !section.has(weight.key)) break;  // as G has them
+        [[fallthrough]];
+      case Shape::kNumber:
+        const double value = section.number(weight.key, allowed);
+        own[weight.key] = {value, value, value};
+        break;
+    }
+  }
+  return own;
+}
+
+bool weighs_x(const c3::ProjectionType& type) {
+  return std::any_of(type.weights.begin(), type.weights.end(), [](const auto& weight) {
+    return weight.shape == c3::ProjectionWeight::Shape::kOfStates;
+  });
 }
 
 PhaseWeights load_weights(config::Section section, const model::Layout& layout,
@@ -34,26 +68,17 @@ PhaseWeights load_weights(config::Section section, const model::Layout& layout,
   weights.G_u = G.number("u", kPositiveWeight);
   for (const std::string& name : lambda_weights(layout))
     weights.G_lambda[name] = G.number(name, kPositiveWeight);
-  const bool lcp = projection == c3::ProjectionKind::kLcp;
-  const bool is_convex = projection == c3::ProjectionKind::kConvex;
-  const bool is_plus = projection == c3::ProjectionKind::kPlus;
-  if (section.given("U", !lcp && !is_plus, "a projection other than lcp and plus")) {
+  const c3::ProjectionType& type = c3::projection_type(projection);
+  const std::string chosen = std::string("projection ") + type.key;
+  if (section.given("U", type.needs_U || weighs_x(type), chosen)) {
     config::Section U = section.section("U");
     weights.U_x = U.number("x", kPositiveWeight);
     weights.U_lambda = U.number("lambda", kPositiveWeight);
     weights.U_u = U.number("u", kPositiveWeight);
   }
-  if (section.given("convex", is_convex, "projection convex")) {
-    config::Section convex = section.section("convex");
-    weights.convex_alpha = convex.number("alpha", {0, 1});
-    weights.convex_epsilon = convex.number("epsilon", {0, 1});
-  }
-  if (section.given("plus", is_plus, "projection plus")) {
-    config::Section plus = section.section("plus");
-    if (plus.has("g_lambda")) weights.plus_g_lambda = plus.number("g_lambda", kPositiveWeight);
-    weights.plus_u_lambda = plus.number("u_lambda", kPositiveWeight);
-    weights.plus_g_eta = load_rows(plus, "g_eta");
-    weights.plus_u_eta = load_rows(plus, "u_eta");
+  for (const auto other : c3::kProjectionTypes) {
+    if (other().weights.empty() || !section.given(other().key, &other() == &type, chosen)) continue;
+    weights.of_projections[other().key] = load_own(section.section(other().key), other());
   }
   return weights;
 }

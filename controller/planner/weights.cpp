@@ -58,6 +58,33 @@ VectorXd of_rows(const PhaseWeights::Rows& rows, const model::LambdaLayout& lamb
   return result;
 }
 
+/// A weight that one projection alone has.
+void set(const c3::ProjectionWeight& weight, const PhaseWeights& weights,
+         const std::map<std::string, PhaseWeights::Rows>& own, const model::LambdaLayout& lambda,
+         const VectorXd& G_lambda, const c3::Sizes& sizes, c3::Costs& costs) {
+  using Shape = c3::ProjectionWeight::Shape;
+  switch (weight.shape) {
+    case Shape::kOfStates:
+      weight.fill(costs, sizes, weights.U_x);
+      break;
+    case Shape::kOfInputs:
+      weight.fill(costs, sizes, weights.U_u);
+      break;
+    case Shape::kOfForces:
+      if (weight.of_consensus && own.count(weight.key) == 0) {
+        weight.vector(costs) = G_lambda;
+        break;
+      }
+      [[fallthrough]];
+    case Shape::kNumber:
+      weight.fill(costs, sizes, named(own, weight.key).cone);
+      break;
+    case Shape::kOfGaps:
+      weight.vector(costs) = of_rows(named(own, weight.key), lambda);
+      break;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> lambda_weights(const model::Layout& layout) {
@@ -89,14 +116,12 @@ c3::Costs costs_of(const PlanningProblem& problem, const PhaseWeights& weights, 
   costs.R = weights.R * MatrixXd::Identity(n_u, n_u);
   costs.G = G.asDiagonal();
   if (weights.U_x > 0.0) costs.U = U.asDiagonal();  // else the projection has no use for it
-  costs.convex = {weights.U_x * MatrixXd::Identity(n_x, n_x),
-                  weights.U_u * MatrixXd::Identity(n_u, n_u), weights.convex_alpha,
-                  weights.convex_epsilon};
-  costs.plus.g_lambda =
-      weights.plus_g_lambda ? VectorXd::Constant(n_lambda, *weights.plus_g_lambda) : G_lambda;
-  costs.plus.u_lambda.setConstant(n_lambda, weights.plus_u_lambda);
-  costs.plus.g_eta = of_rows(weights.plus_g_eta, lambda);
-  costs.plus.u_eta = of_rows(weights.plus_u_eta, lambda);
+  for (const auto type : c3::kProjectionTypes) {
+    const auto own = weights.of_projections.find(type().key);
+    if (own == weights.of_projections.end()) continue;
+    for (const c3::ProjectionWeight& weight : type().weights)
+      set(weight, weights, own->second, lambda, G_lambda, {n_x, n_lambda, n_u, 1}, costs);
+  }
   return costs;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // What Algorithm 1 weighs, by the names of the model's blocks.
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,13 +18,14 @@ struct PhaseWeights {
   double G_x, G_u;
   std::map<std::string, double> G_lambda;  // by the names of lambda_weights()
   double U_x, U_lambda, U_u;
-  // projections that need more; the convex one weighs x and u by U_x and U_u
-  double convex_alpha, convex_epsilon;
-  std::optional<double> plus_g_lambda;  // none: G of λ, contact by contact
-  double plus_u_lambda;
-  struct Rows {  // C3+'s η by row: of the friction cone, of the distance, of the slip
+  /// By row of a gap: of the friction cone, of the distance, of the slip. Any other weight is the
+  /// first.
+  struct Rows {
     double cone, distance, slip;
-  } plus_g_eta, plus_u_eta;
+  };
+  // by the keys of a projection and of a weight that it alone has. Those of x and u are U_x and
+  // U_u; one of forces in the consensus term that is not here is G's, contact by contact
+  std::map<std::string, std::map<std::string, Rows>> of_projections;
 };
 
 /// The names of λ's weights for all contacts of a model: "gamma", then "…_normal" and

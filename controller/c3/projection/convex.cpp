@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -161,6 +162,21 @@ void check_convex(const Costs& costs, const Sizes& sizes) {
   }
 }
 
+std::vector<ProjectionWeight> convex_weights() {
+  using Shape = ProjectionWeight::Shape;
+  ProjectionWeight Q_x{"Q_x", "Qx", Shape::kOfStates}, Q_u{"Q_u", "Qu", Shape::kOfInputs};
+  ProjectionWeight alpha{"alpha", "alpha", Shape::kNumber};
+  ProjectionWeight epsilon{"epsilon", "eps", Shape::kNumber};
+  Q_x.matrix = [](Costs& costs) -> MatrixXd& { return costs.convex.Q_x; };
+  Q_u.matrix = [](Costs& costs) -> MatrixXd& { return costs.convex.Q_u; };
+  Q_x.minimum = Q_u.minimum = 1e-12;
+  alpha.number = [](Costs& costs) -> double& { return costs.convex.alpha; };
+  alpha.maximum = 1.0;
+  epsilon.number = [](Costs& costs) -> double& { return costs.convex.epsilon; };
+  epsilon.has_default = true;
+  return {Q_x, Q_u, alpha, epsilon};
+}
+
 }  // namespace
 
 const ProjectionType& convex_projection() {
@@ -172,7 +188,9 @@ const ProjectionType& convex_projection() {
       false,
       [](const Sizes& sizes, const Settings&) { return make_convex_projection(sizes); },
       make_consensus,
-      check_convex};
+      check_convex,
+      nullptr,
+      convex_weights()};
   return type;
 }
 

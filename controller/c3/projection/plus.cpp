@@ -134,6 +134,21 @@ void check_plus(const Costs& costs, const Sizes& sizes) {
   qp::require_vector("Costs.plus.u_eta", costs.plus.u_eta, sizes.n_lambda, false);
 }
 
+std::vector<ProjectionWeight> plus_weights() {
+  using Shape = ProjectionWeight::Shape;
+  ProjectionWeight g_lambda{"g_lambda", "g_lambda", Shape::kOfForces};
+  ProjectionWeight g_eta{"g_eta", "g_eta", Shape::kOfGaps};
+  ProjectionWeight u_lambda{"u_lambda", "u_lambda", Shape::kOfForces};
+  ProjectionWeight u_eta{"u_eta", "u_eta", Shape::kOfGaps};
+  g_lambda.vector = [](Costs& costs) -> VectorXd& { return costs.plus.g_lambda; };
+  g_eta.vector = [](Costs& costs) -> VectorXd& { return costs.plus.g_eta; };
+  u_lambda.vector = [](Costs& costs) -> VectorXd& { return costs.plus.u_lambda; };
+  u_eta.vector = [](Costs& costs) -> VectorXd& { return costs.plus.u_eta; };
+  for (ProjectionWeight* weight : {&g_lambda, &g_eta, &u_lambda, &u_eta}) weight->minimum = 1e-12;
+  g_lambda.of_consensus = g_eta.of_consensus = true;
+  return {g_lambda, g_eta, u_lambda, u_eta};
+}
+
 }  // namespace
 
 const ProjectionType& plus_projection() {
@@ -145,7 +160,9 @@ const ProjectionType& plus_projection() {
       false,
       [](const Sizes& sizes, const Settings&) { return make_plus_projection(sizes); },
       make_gap_consensus,
-      check_plus};
+      check_plus,
+      nullptr,
+      plus_weights()};
   return type;
 }
 

@@ -1,8 +1,12 @@
 #pragma once
 // The projections by name: a new one is a file in this folder and its lines in this header.
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "controller/qp/problem.hpp"
 
@@ -21,6 +25,27 @@ enum class ProjectionKind {
   kPlus,    // C3+: gap variables in the QP, projection pair by pair            [C3+, III]
 };
 
+/// A weight that one projection alone has: its place in Costs, and what files may say of it.
+struct ProjectionWeight {
+  /// (n_x × n_x), (n_u × n_u), (n_lambda) of λ and of the gaps η, one number
+  enum class Shape { kOfStates, kOfInputs, kOfForces, kOfGaps, kNumber };
+
+  const char* key;           // in scenarios, in the section that has the projection's key
+  const char* problem_name;  // in files of `c3rt solve`
+  Shape shape;
+  /// The one that the shape has; the others are null.
+  Eigen::MatrixXd& (*matrix)(Costs&) = nullptr;
+  Eigen::VectorXd& (*vector)(Costs&) = nullptr;
+  double& (*number)(Costs&) = nullptr;
+  double minimum = 0.0;  // of each entry
+  double maximum = std::numeric_limits<double>::infinity();
+  bool of_consensus = false;  // a part of what G is without this projection
+  bool has_default = false;   // of Costs, where a file of `c3rt solve` leaves it out
+
+  /// The same value for all entries, of a matrix for those on the diagonal.
+  void fill(Costs& costs, const qp::Sizes& sizes, double value) const;
+};
+
 /// What the solver and the loaders know of a projection.
 struct ProjectionType {
   ProjectionKind kind;
@@ -34,6 +59,7 @@ struct ProjectionType {
   /// field and what was expected. Null: there are none.
   void (*check_weights)(const Costs& costs, const qp::Sizes& sizes) = nullptr;
   void (*check_settings)(const Settings& settings) = nullptr;
+  std::vector<ProjectionWeight> weights = {};  // that it alone has
 };
 
 // each in the file of its name

@@ -370,8 +370,10 @@ TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G 
   Parameters p = parameters({"planner.c3.projection=plus"});
   const auto u_with = [&p](std::optional<double> g_lambda, double G_all, double g_eta_slip) {
     for (PhaseWeights* weights : {&p.roll, &p.back}) {
-      weights->plus_g_lambda = g_lambda;
-      weights->plus_g_eta.slip = g_eta_slip;
+      auto& plus = weights->of_projections.at("plus");
+      plus.erase("g_lambda");
+      if (g_lambda) plus["g_lambda"] = {*g_lambda, *g_lambda, *g_lambda};
+      plus.at("g_eta").slip = g_eta_slip;
       for (auto& [name, weight] : weights->G_lambda) weight = G_all;
     }
     Follower follower(p);

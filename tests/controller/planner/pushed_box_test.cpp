@@ -46,9 +46,8 @@ Parameters parameters() {
                 {"table_normal", 0.1},
                 {"table_tangential", 0.1}};
   w.U_x = w.U_lambda = w.U_u = 1.0;
-  w.plus_u_lambda = 10.0;
-  w.plus_g_eta = {0.01, 0.01, 0.01};
-  w.plus_u_eta = {1.0, 1.0, 1.0};
+  w.of_projections["plus"] = {
+      {"u_lambda", {10.0, 10.0, 10.0}}, {"g_eta", {0.01, 0.01, 0.01}}, {"u_eta", {1.0, 1.0, 1.0}}};
   return p;
 }
 

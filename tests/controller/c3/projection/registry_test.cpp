@@ -47,3 +47,25 @@ TEST_CASE("projections: settings of one are refused by the one that needs them a
   settings.projection = ProjectionKind::kMiqp;
   REQUIRE_NOTHROW(make_projection({1, 1, 1, 1}, settings));
 }
+
+TEST_CASE("projections: what each says of its weights is all that its check asks for") {
+  const Sizes sizes{3, 2, 1, 4};
+  std::set<std::string> problem_names;
+  for (const auto type : kProjectionTypes) {
+    Costs costs;
+    costs.Q = costs.Q_N = Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3));
+    costs.R = Eigen::MatrixXd(Eigen::MatrixXd::Identity(1, 1));
+    costs.G = costs.U = Eigen::MatrixXd(Eigen::MatrixXd::Identity(6, 6));
+    CAPTURE(type().key);
+    if (!type().weights.empty()) CHECK_THROWS(check(costs, sizes, type().kind));
+    std::set<std::string> keys;
+    for (const ProjectionWeight& weight : type().weights) {
+      CAPTURE(weight.key);
+      CHECK(keys.insert(weight.key).second);
+      CHECK(problem_names.insert(weight.problem_name).second);
+      CHECK((weight.minimum <= 0.5 && 0.5 <= weight.maximum));
+      weight.fill(costs, sizes, 0.5);
+    }
+    CHECK_NOTHROW(check(costs, sizes, type().kind));
+  }
+}
