@@ -175,7 +175,7 @@ std::string summary(const Report& report) {
   }
   for (const auto& [name, reading] : figures.readings) line(words_of(name).c_str(), shown(reading));
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");
-  line("on the way to an object", shown(figures.approach_error, kMilli, 2) + " mm");
+  line("way to an object", shown(figures.approach_error, kMilli, 2) + " mm");
   line("planner",
        fmt::format("{} Hz, solve {} ms, {} truncated, {} fallbacks",
                    shown(figures.planner_rate, 1, 1), shown(figures.solve_time, kMilli, 2),
