@@ -1,11 +1,13 @@
 #include "config/section.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "config/directory.hpp"
 #include "config/extends.hpp"
 #include "config/tree.hpp"
 
@@ -142,6 +144,38 @@ std::string Section::name(const std::string& key) {
   if (!child.is_scalar() || !is_name(child.scalar))
     fail(key, "1 to 64 letters, digits, _ and -", content(child));
   return child.scalar;
+}
+
+std::string Section::file_at(const Tree& at, const std::string& key) const {
+  namespace fs = std::filesystem;
+  const std::string named = at.is_scalar() ? at.scalar : "";
+  if (named.empty() || named.size() > kLongestText || printable(named, kLongestText) != named)
+    fail_at(at, key, "the name of a file", content(at));
+  const fs::path own = fs::path(*at.place.file).parent_path() / named;
+  const fs::path shipped = directory() / "scenarios" / named;
+  std::error_code error;
+  for (const fs::path& candidate : {own, shipped}) {
+    if (fs::is_regular_file(candidate, error)) return fs::weakly_canonical(candidate).string();
+  }
+  fail_at(at, key, "a file that is there",
+          named + ", which is neither " + own.lexically_normal().string() + " nor " +
+              shipped.lexically_normal().string());
+}
+
+std::string Section::file(const std::string& key) { return file_at(require(*node_, key), key); }
+
+std::vector<std::string> Section::files(const std::string& key, int min_size, int max_size) {
+  const Tree& child = require(*node_, key);
+  if (child.is_scalar() && min_size <= 1) return {file_at(child, key)};
+  if (!child.is_list() || static_cast<int>(child.list.size()) < min_size ||
+      static_cast<int>(child.list.size()) > max_size) {
+    fail(key,
+         "a list of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " files",
+         content(child));
+  }
+  std::vector<std::string> result;
+  for (const Tree& item : child.list) result.push_back(file_at(item, key));
+  return result;
 }
 
 Eigen::VectorXd Section::numbers(const std::string& key, int size, Range allowed) {

@@ -32,6 +32,11 @@ class Section {
   std::string text(const std::string& key);
   /// Letters, digits, _ and -, at most 64: it may become a path.
   std::string name(const std::string& key);
+  /// A file that is there, named from the folder of the file that says so, else from that of the
+  /// shipped scenarios: its absolute path.
+  std::string file(const std::string& key);
+  /// One or a list of `min_size`..`max_size` of them.
+  std::vector<std::string> files(const std::string& key, int min_size, int max_size);
   /// A list of exactly `size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.
@@ -71,6 +76,7 @@ class Section {
   /// The same at one value of a list.
   [[noreturn]] void fail_at(const Tree& at, const std::string& key, const std::string& expected,
                             const std::string& got) const;
+  std::string file_at(const Tree& at, const std::string& key) const;
   struct Node;
   std::shared_ptr<Node> node_;
 };

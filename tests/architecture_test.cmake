@@ -27,6 +27,7 @@ endmacro()
 may(controller/base)
 may(controller/rt controller/base)
 may(controller/scene)
+may(controller/mjcf controller/scene)
 may(controller/task controller/scene)
 may(controller/lcs)
 may(controller/qp controller/lcs)
@@ -39,7 +40,7 @@ may(controller/planner controller/scene controller/task controller/lcs controlle
 may(controller/impedance controller/model)
 may(vision/track controller/base)
 may(vision controller/base vision/track plant_emulator)
-may(plant_emulator controller/base controller/scene)
+may(plant_emulator controller/base controller/scene controller/mjcf)
 may(config)
 may(idl controller/base controller/rt controller/scene controller/task config)
 may(cli/report cli controller/base controller/task plant_emulator)
@@ -51,7 +52,7 @@ may(cli cli/report cli/example cli/campaign cli/reproduce config idl controller/
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario
-files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controller/model)
+files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controller/model controller/mjcf)
 # config's top: a scenario is made of every room's section, a problem file of the solver's
 files_may("^config/scenario[.]" controller/impedance controller/planner controller/task controller/c3 plant_emulator vision)
 files_may("^config/(json_reader|problem_file|problem_result)[.]" controller/c3)
@@ -75,7 +76,7 @@ set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog
 # Third-party libraries have one owner each.
 set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/")
 set(owners "^controller/model/arm[.]cpp" "^controller/qp/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
-    "^plant_emulator/|^vision/virtual_cameras[.]" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]")
+    "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]")
 
 # The room of a path: its longest folder that has a row.
 function(room_of path out)

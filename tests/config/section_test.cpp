@@ -227,3 +227,31 @@ TEST_CASE("section: an error is one line, whatever stands in the file") {
     CHECK_THAT(error.what(), Catch::Contains("a\\x1b[2Jb\\x0a: unknown key"));
   }
 }
+
+TEST_CASE("section: a file is looked for beside the file that names it, then beside the shipped") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / "c3rt_section_test_files";
+  fs::create_directories(folder / "objects");
+  std::ofstream(folder / "objects" / "own.xml") << "<mujoco/>";
+  std::ofstream(folder / "a.yaml") << "one: objects/own.xml\n"
+                                      "two: [objects/own.xml, ../objects/t.xml]\n"
+                                      "absent: objects/none.xml\n"
+                                      "wrong: {a: 1}\n";
+  Section section = Document::load((folder / "a.yaml").string());
+  const std::string own = fs::weakly_canonical(folder / "objects" / "own.xml").string();
+  CHECK(section.file("one") == own);
+  CHECK(section.files("one", 1, 2) == std::vector<std::string>{own});
+  const std::vector<std::string> two = section.files("two", 1, 2);
+  REQUIRE(two.size() == 2);
+  CHECK(two[0] == own);
+  CHECK(fs::is_regular_file(two[1]));
+  CHECK(two[1].find("config/objects/t.xml") != std::string::npos);
+  CHECK_THAT(error_of([&] { (void)section.file("absent"); }),
+             Contains("a.yaml:3: absent: expected a file that is there, got objects/none.xml, "
+                      "which is neither " +
+                      folder.string()));
+  CHECK_THAT(error_of([&] { (void)section.file("wrong"); }),
+             Contains("expected the name of a file"));
+  CHECK_THAT(error_of([&] { (void)section.files("two", 1, 1); }),
+             Contains("expected a list of 1 to 1 files, got a list of 2"));
+}

@@ -1,0 +1,31 @@
+#pragma once
+// A rigid object from its MuJoCo model (MJCF), compiled by MuJoCo itself.
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "controller/scene/object.hpp"
+
+namespace c3rt::mjcf {
+
+/// The message names the file, what it has that cannot be used, and what was expected.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct ObjectFile {
+  scene::Object object;
+  Eigen::Vector3d p_body_com;      // the centre of mass in the frame of the file's body [m]
+  std::vector<std::string> notes;  // what a person should know: what is left out, what was assumed
+};
+
+/// The one free body of a file with all that is fixed to it. Spheres, boxes, capsules, cylinders
+/// and the convex hulls of meshes make its surface; geoms that collide with nothing (contype and
+/// conaffinity 0) do not, and what else is in the file's world is left out with a note.
+/// @throws Error where MuJoCo refuses the file, where there is not one free body, and for what
+/// would move it in ways that nobody here knows of: other joints, tendons, equalities, actuators,
+/// friction, damping or springs of the joint, height fields, planes and ellipsoids
+ObjectFile read_object(const std::string& file);
+
+}  // namespace c3rt::mjcf

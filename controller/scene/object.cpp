@@ -1,0 +1,49 @@
+#include "controller/scene/object.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace c3rt::scene {
+
+Shape Object::shape() const noexcept {
+  const Part& first = parts->parts.front();
+  const bool alone = parts->parts.size() == 1 && first.p_BP.isZero(0.0) &&
+                     first.R_BP == Eigen::Matrix3d::Identity();
+  return alone ? first.shape : Shape::all_of(*parts);
+}
+
+Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia, double friction,
+                   Union parts) {
+  return {std::move(name), mass, inertia, friction,
+          std::make_shared<const Union>(std::move(parts))};
+}
+
+double reach(const Shape& shape, const Eigen::Vector3d& direction) noexcept {
+  double most = -std::numeric_limits<double>::infinity();
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return shape.radius;
+    case ShapeKind::kBox:
+      return direction.cwiseAbs().dot(shape.half_sizes);
+    case ShapeKind::kCapsule:
+      return shape.radius + shape.half_length * std::abs(direction.z());
+    case ShapeKind::kCylinder:
+      return shape.radius * direction.head<2>().norm() +
+             shape.half_length * std::abs(direction.z());
+    case ShapeKind::kConvexMesh:
+      for (const Eigen::Vector3d& vertex : shape.mesh->vertices())
+        most = std::max(most, direction.dot(vertex));
+      return most;
+    case ShapeKind::kUnion:
+      break;
+  }
+  for (const Part& part : shape.parts->parts) {
+    const Eigen::Vector3d in_part = part.R_BP.transpose() * direction;
+    most = std::max(most, direction.dot(part.p_BP) + reach(part.shape, in_part));
+  }
+  return most;
+}
+
+}  // namespace c3rt::scene

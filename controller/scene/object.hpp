@@ -1,0 +1,32 @@
+#pragma once
+// A rigid body as it is described: what planner and plant need to know of it beside its pose.
+#include <memory>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "controller/scene/shape.hpp"
+
+namespace c3rt::scene {
+
+/// Its frame B has the axes of its description and its origin in the centre of mass.
+struct Object {
+  std::string name;
+  double mass = 0.0;                                      // [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();  // about its frame [kg m²]
+  double friction = 0.0;                                  // μ of its surface, of the roughest part
+  std::shared_ptr<const Union> parts;                     // at least one
+
+  /// Valid as long as the parts.
+  Shape shape() const noexcept;
+};
+
+/// A box of even density, say.
+Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia, double friction,
+                   Union parts);
+
+/// How far along a direction a shape reaches from the origin of its frame [m]. A direction of
+/// length 1 in that frame.
+double reach(const Shape& shape, const Eigen::Vector3d& direction) noexcept;
+
+}  // namespace c3rt::scene
