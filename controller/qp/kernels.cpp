@@ -120,6 +120,26 @@ C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int l
   }
 }
 
+/// Four rows from each of `at` on: side by side, as one sum alone waits for each of its terms.
+template <int kFours, bool kMinusB>
+C3RT_INLINE void combine_fours(const int (&at)[kFours], int cols, const double* X, int stride,
+                               const double* c, const double* a, const double* b, double* y) {
+  Four sums[kFours];
+  for (int m = 0; m < kFours; ++m) {
+    sums[m] =
+        a == nullptr ? Four{0.0, 0.0, 0.0, 0.0} : *reinterpret_cast<const FourAnywhere*>(a + at[m]);
+  }
+  for (int j = 0; j < cols; ++j, X += stride) {
+    const Four factors = {c[j], c[j], c[j], c[j]};
+    for (int m = 0; m < kFours; ++m)
+      sums[m] += factors * *reinterpret_cast<const FourAnywhere*>(X + at[m]);
+  }
+  for (int m = 0; m < kFours; ++m) {
+    const Four other = *reinterpret_cast<const FourAnywhere*>(b + at[m]);
+    *reinterpret_cast<FourAnywhere*>(y + at[m]) = kMinusB ? sums[m] - other : other - sums[m];
+  }
+}
+
 /// y = a + X c − b, or b − (a + X c); no a is zeros.
 template <bool kMinusB>
 C3RT_INLINE void combine(int rows, int cols, const double* X, int stride, const double* c,
@@ -132,18 +152,18 @@ C3RT_INLINE void combine(int rows, int cols, const double* X, int stride, const 
     }
     return;
   }
-  for (int i = 0; i < rows; i += 4) {
-    const int at = std::min(i, rows - 4);  // the last four may overlap those before
-    const double* x = X + at;
-    Four sum = {0.0, 0.0, 0.0, 0.0};
-    if (a != nullptr) sum = *reinterpret_cast<const FourAnywhere*>(a + at);
-    for (int j = 0; j < cols; ++j, x += stride) {
-      const Four factors = {c[j], c[j], c[j], c[j]};
-      sum += factors * *reinterpret_cast<const FourAnywhere*>(x);
-    }
-    const Four other = *reinterpret_cast<const FourAnywhere*>(b + at);
-    *reinterpret_cast<FourAnywhere*>(y + at) = kMinusB ? sum - other : other - sum;
+  // the last four may overlap those before; the same rows twice are the same again
+  const int last = rows - 4;
+  int i = 0;
+  for (; rows - i > 12; i += 16) {
+    const int at[] = {i, std::min(i + 4, last), std::min(i + 8, last), std::min(i + 12, last)};
+    combine_fours<4, kMinusB>(at, cols, X, stride, c, a, b, y);
   }
+  for (; rows - i > 4; i += 8) {
+    const int at[] = {i, std::min(i + 4, last)};
+    combine_fours<2, kMinusB>(at, cols, X, stride, c, a, b, y);
+  }
+  if (i < rows) combine_fours<1, kMinusB>({std::min(i, last)}, cols, X, stride, c, a, b, y);
 }
 
 constexpr long long kSize = std::numeric_limits<long long>::max();  // all but a double's sign
@@ -152,6 +172,25 @@ C3RT_INLINE double finite_or_nan(long long bits) {
   double value;
   std::memcpy(&value, &bits, sizeof value);
   return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// 4 kFours rows of y = X c and terms = |X| |c|, side by side.
+template <int kFours>
+C3RT_INLINE void product_and_terms_of(int ld, int cols, const double* X, const double* c, double* y,
+                                      double* terms) {
+  Four sums[kFours] = {}, sizes[kFours] = {};
+  for (int j = 0; j < cols; ++j, X += ld) {
+    const Four factors = {c[j], c[j], c[j], c[j]};
+    for (int m = 0; m < kFours; ++m) {
+      const Four term = factors * *reinterpret_cast<const FourAnywhere*>(X + 4 * m);
+      sums[m] += term;
+      sizes[m] += reinterpret_cast<Four>(kSize & reinterpret_cast<FourBits>(term));
+    }
+  }
+  for (int m = 0; m < kFours; ++m) {
+    *reinterpret_cast<FourAnywhere*>(y + 4 * m) = sums[m];
+    *reinterpret_cast<FourAnywhere*>(terms + 4 * m) = sizes[m];
+  }
 }
 
 /// A maximum of sizes: without their signs, doubles are in the order of their bits, and NaN is
@@ -303,17 +342,9 @@ C3RT_WIDE void subtract_transposed(int rows, int cols, const double* X, const do
 C3RT_WIDE void product_and_terms(int rows, int cols, const double* X, const double* c, double* y,
                                  double* terms) noexcept {
   const int ld = padded(rows);
-  for (int i = 0; i < ld; i += 4, X += 4) {
-    Four sum = {0.0, 0.0, 0.0, 0.0}, size = sum;
-    for (int j = 0; j < cols; ++j) {
-      const Four factors = {c[j], c[j], c[j], c[j]};
-      const Four term = factors * *reinterpret_cast<const FourAnywhere*>(X + j * ld);
-      sum += term;
-      size += reinterpret_cast<Four>(kSize & reinterpret_cast<FourBits>(term));
-    }
-    *reinterpret_cast<FourAnywhere*>(y + i) = sum;
-    *reinterpret_cast<FourAnywhere*>(terms + i) = size;
-  }
+  int i = 0;
+  for (; i + 8 < ld; i += 12) product_and_terms_of<3>(ld, cols, X + i, c, y + i, terms + i);
+  for (; i < ld; i += 4) product_and_terms_of<1>(ld, cols, X + i, c, y + i, terms + i);
 }
 
 C3RT_WIDE void product_minus(int rows, int cols, const double* X, int stride, const double* c,
