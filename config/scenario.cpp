@@ -107,6 +107,10 @@ Scenario read_scenario(Section root) {
                    [](const auto& object) { return object.half_sizes.has_value(); });
   if (!balls && scenario.vision.source == vision::SourceKind::kCameras)
     vision.fail("source", "emulated, as cameras track balls alone", "cameras");
+  if (scenario.vision.acceleration_filter && (!balls || scenario.plant.world.balls.size() != 1)) {
+    vision.fail("acceleration_filter", "one sphere, as others would touch it",
+                std::to_string(scenario.plant.world.balls.size()) + " objects");
+  }
   root.finish();
   scenario.plant.recovers_alone = scenario.service.recovery == Recovery::kAutomatic;
   return scenario;

@@ -19,6 +19,16 @@ EstimatorParameters load_filter(config::Section section) {
   return p;
 }
 
+AccelerationFilterParameters load_acceleration_filter(config::Section section) {
+  AccelerationFilterParameters p{};
+  p.noise = section.number("noise_m", {1e-6, 0.1});
+  p.memory = section.number("memory_s", {0.01, 1e4});
+  p.limit = section.number("limit_m_per_s2", {1e-3, 10});
+  p.gap = section.number("gap_m", {0, 0.1});
+  p.settle = section.number("settle_s", {0, 1});
+  return p;
+}
+
 DetectorParameters load_detector(config::Section section) {
   DetectorParameters p{};
   p.roi = section.integer("roi_px", {16, 512});
@@ -70,6 +80,8 @@ Parameters load_parameters(config::Section section) {
     p.emulated.angle_noise = emulated.number("angle_noise_rad", {0, 1}, 0.0);
   }
   p.estimator = load_filter(section.section("filter"));
+  if (section.has("acceleration_filter"))
+    p.acceleration_filter = load_acceleration_filter(section.section("acceleration_filter"));
   if (section.given("fusion", cameras, why)) {
     config::Section fusion = section.section("fusion");
     p.fusion.outlier = fusion.number("outlier_m", {1e-4, 1});

@@ -7,9 +7,21 @@
 #include "idl/text.hpp"
 
 namespace c3rt::vision {
+namespace {
+
+// An end effector that was not heard of for this long may be anywhere [s].
+constexpr double kEffectorKnown = 0.1;
+// Who has not touched the object for this long may have left it to somebody's hand [s].
+constexpr double kAlone = 2.0;
+
+}  // namespace
 
 Node::Node(const Parameters& parameters, const std::vector<ObjectStart>& objects, Source& source)
-    : period_ns_(base::nanoseconds(1.0 / parameters.rate)), objects_(objects), source_(source) {
+    : period_ns_(base::nanoseconds(1.0 / parameters.rate)),
+      objects_(objects),
+      source_(source),
+      of_acceleration_(parameters.acceleration_filter) {
+  if (of_acceleration_) acceleration_.emplace(*of_acceleration_);
   for (const ObjectStart& object : objects_)
     estimators_.emplace_back(parameters.estimator, object.radius);
 }
@@ -23,6 +35,11 @@ void Node::inject(const wire::FaultInject& fault, std::int64_t now_ns) {
     lose_until_ns_ = 0;
     source_.freeze(-1, 0);
   }
+}
+
+void Node::see_effector(std::int64_t time_ns, const Eigen::Vector3d& p_WE) noexcept {
+  effector_ns_ = time_ns;
+  p_WE_ = p_WE;
 }
 
 const Node::Output& Node::step(std::int64_t now_ns) {
@@ -79,6 +96,7 @@ void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& see
   wire::fill(out.p_WB_m, estimate.p_WB);
   wire::fill(out.v_WB_m_per_s, estimate.v_WB);
   wire::fill(out.omega_rad_per_s, estimate.omega_WB);
+  if (acceleration_) wire::fill(out.a_WB_m_per_s2, free_acceleration(seen.measurement, estimate));
   wire::fill(out.q_WB, estimate.q_WB);
   if (faults_.spoils(exposure_ns)) out.p_WB_m[0] = std::numeric_limits<double>::quiet_NaN();
   output_.estimates.push_back(out);
@@ -98,6 +116,20 @@ void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& see
     wire::fill(detection.p_WB_m, view.detection.p_WB);
     output_.detections.push_back(detection);
   }
+}
+
+Eigen::Vector2d Node::free_acceleration(const Measurement& seen, const Estimate& estimate) {
+  const std::int64_t now_ns = seen.exposure_ns;
+  const bool knows =
+      estimate.valid && effector_ns_ != 0 && base::seconds(now_ns - effector_ns_) <= kEffectorKnown;
+  const double gap = (p_WE_ - estimate.p_WB).norm() - objects_.front().touched_within;
+  if (knows && gap < of_acceleration_->gap) touched_ns_ = now_ns;
+  if (!knows || base::seconds(now_ns - touched_ns_) > kAlone) touched_ns_ = 0;
+  if (touched_ns_ != 0 && estimate.measured) {
+    acceleration_->observe(base::seconds(now_ns), seen.p_WB.head<2>(),
+                           base::seconds(now_ns - touched_ns_) < of_acceleration_->settle);
+  }
+  return acceleration_->acceleration();
 }
 
 void Node::tell(std::size_t index, const Estimate& before, const Estimate& now) {

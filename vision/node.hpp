@@ -19,6 +19,7 @@ struct ObjectStart {
   std::string name;              // as in the plant's model
   std::optional<double> radius;  // of a ball, which rolls; none: its orientation is measured [m]
   Eigen::Vector3d p_WB;
+  double touched_within = 0.0;  // of centre and the end effector's: then their surfaces touch [m]
 };
 
 class Node {
@@ -38,6 +39,8 @@ class Node {
 
   /// What the source has seen since the last step; valid until the next one.
   const Output& step(std::int64_t now_ns);
+  /// Where the end effector is: only what it does not touch rolls freely.
+  void see_effector(std::int64_t time_ns, const Eigen::Vector3d& p_WE) noexcept;
   /// Of a fault that was let in.
   void inject(const wire::FaultInject& fault, std::int64_t now_ns);
 
@@ -48,6 +51,8 @@ class Node {
  private:
   void count_exposure(std::int64_t exposure_ns);
   void observe(std::size_t index, std::int64_t exposure_ns, Observation& seen);
+  /// What accelerates the object that the end effector has touched and nobody touches now.
+  Eigen::Vector2d free_acceleration(const Measurement& seen, const Estimate& estimate);
   void tell(std::size_t index, const Estimate& before, const Estimate& now);
 
   const std::int64_t period_ns_;
@@ -55,6 +60,11 @@ class Node {
   Source& source_;
   std::vector<Estimator> estimators_;
   std::vector<Prediction> predictions_;
+  const std::optional<AccelerationFilterParameters> of_acceleration_;
+  std::optional<AccelerationFilter> acceleration_;
+  Eigen::Vector3d p_WE_ = Eigen::Vector3d::Zero();
+  std::int64_t effector_ns_ = 0;  // of p_WE_; 0: none yet
+  std::int64_t touched_ns_ = 0;   // the end effector was last near the object; 0: not lately
   Output output_;
   Counters counters_;
   bool degraded_ = false;

@@ -1,11 +1,13 @@
 #pragma once
 // What the scenario's `vision:` section says. Plain data; load_parameters.hpp reads it.
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "vision/track/acceleration_filter.hpp"
 #include "vision/track/detect.hpp"
 #include "vision/track/estimator.hpp"
 #include "vision/track/fuse.hpp"
@@ -42,6 +44,8 @@ struct Parameters {
   double rate;  // exposures per second [Hz]
   EmulatedParameters emulated;
   EstimatorParameters estimator;
+  // of a sphere that is alone on the table; none: not learnt
+  std::optional<AccelerationFilterParameters> acceleration_filter;
   FusionParameters fusion;
   DetectorParameters detector;
   ObjectColours colours;

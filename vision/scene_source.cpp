@@ -146,7 +146,8 @@ std::vector<ObjectStart> starts_of(const plant::World& world) {
     const double height = ball.half_sizes ? ball.half_sizes->z() : ball.radius;
     objects.push_back({plant::object_name(world, static_cast<int>(i)),
                        ball.half_sizes ? std::nullopt : std::optional<double>(ball.radius),
-                       {ball.position.x(), ball.position.y(), world.table_height + height}});
+                       {ball.position.x(), ball.position.y(), world.table_height + height},
+                       ball.radius + world.end_effector.sphere_radius});
   }
   return objects;
 }

@@ -5,6 +5,7 @@
 
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
+#include "idl/convert.hpp"
 
 namespace c3rt::vision {
 wire::FaultScope fault_scope(const Parameters& parameters) {
@@ -29,11 +30,16 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
       cameras_used_(endpoint.status().counter("cameras_used")),
       lost_events_(endpoint.status().counter("lost_events")),
       restarts_(endpoint.status().counter("restarts")) {
+  // an exposure wakes this process, not the 1 kHz of the robot
+  if (parameters.acceleration_filter) states_.emplace(bus, 1, wire::Wakes::kItself);
   endpoint_.say(c3rt_v2_SERVICE_RUNNING, node_.text());
 }
 
 void Service::step(std::int64_t now_ns) {
   serve_clients(now_ns);
+  wire::RobotState state{};
+  while (states_ && states_->take(state))
+    node_.see_effector(state.header.time_ns, wire::vector(state.p_WE_m));
   const std::int64_t began_ns = rt::now_ns();
   Node::Output out = node_.step(now_ns);
   if (out.exposure_ns == 0) return;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ class Service {
   const std::int64_t latency_ns_;
   const std::unique_ptr<Source> source_;
   Node node_;
+  std::optional<wire::Reader<wire::RobotState>> states_;  // where the node wants them
   wire::Writer<wire::ObjectDetection> detections_;
   wire::Writer<wire::ObjectEstimate> estimates_;
   std::atomic<std::uint64_t>&exposures_, &dropped_, &cameras_used_, &lost_events_, &restarts_;

@@ -9,7 +9,7 @@ constexpr double kStateTimeout = 0.1;  // [s]
 
 bool finite(const scene::Body& body) {
   return body.p_WB.allFinite() && body.v_WB.allFinite() && body.omega_WB.allFinite() &&
-         body.q_WB.coeffs().allFinite();
+         body.a_WB.allFinite() && body.q_WB.coeffs().allFinite();
 }
 
 bool within(const ApproachParameters& reach, const Eigen::Vector2d& body) {

@@ -176,16 +176,6 @@ void carry_over(const Ratio& ratio, Parameters& parameters) {
   parameters.approach.start_height += larger;
 }
 
-AccelerationFilterParameters load_acceleration_filter(config::Section section) {
-  AccelerationFilterParameters filter{};
-  filter.noise = section.number("noise_m", {1e-6, 0.1});
-  filter.memory = section.number("memory_s", {0.01, 1e4});
-  filter.limit = section.number("limit_m_per_s2", {1e-3, 10});
-  filter.gap = section.number("gap_m", {0, 0.1});
-  filter.settle = section.number("settle_s", {0, 1});
-  return filter;
-}
-
 PhaseWeights load_phase(config::Section& weights, const char* phase, const Parameters& parameters) {
   const std::unique_ptr<model::PlanningModel> planned = make_model(parameters.model);
   return load_weights(weights.section(phase), planned->layout(), parameters.c3.projection);
@@ -273,9 +263,6 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   if (section.has("table_below_object"))
     parameters.table_below_object = section.boolean("table_below_object");
   parameters.tilt = section.number("tool_tilt_rad", {0, 0.6});
-  if (bodies == 1 && section.has("acceleration_filter"))
-    parameters.acceleration_filter =
-        load_acceleration_filter(section.section("acceleration_filter"));
 
   if (section.has("scale_forces")) parameters.scale_forces = section.boolean("scale_forces");
 

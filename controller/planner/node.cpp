@@ -28,7 +28,9 @@ struct DeadlineClock {
 };
 
 BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
-  return {seen.valid, seconds(now_ns - seen.exposure_ns), wire::body(seen)};
+  BodyInput input{seen.valid, seconds(now_ns - seen.exposure_ns), wire::body(seen)};
+  input.body.a_WB = wire::vector(seen.a_WB_m_per_s2).head<2>();
+  return input;
 }
 
 /// @param effective_ns from when on it is followed

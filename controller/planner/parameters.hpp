@@ -88,15 +88,6 @@ struct ApproachParameters {
   double settle_time;  // C3 starts after this long in the start pose with a body in view [s]
 };
 
-/// How the body's acceleration is learnt while nobody touches it.
-struct AccelerationFilterParameters {
-  double noise;   // of a seen position, standard deviation [m]
-  double memory;  // what was seen longer ago than this, of untouched rolling, fades [s]
-  double limit;   // the acceleration is never longer than this [m/s²]
-  double gap;     // an end effector nearer than this may touch the body [m]
-  double settle;  // nor is the body looked at for this long after a touch [s]
-};
-
 enum class DeltaTcSource {
   kPeriod,  // mean of the last measured control periods: the plan's age when the next one replaces
             // it
@@ -128,9 +119,7 @@ struct Parameters {
   // the table is where the body lies on it, whatever height the model says: a tilt moves it by
   // millimetres
   bool table_below_object = false;
-  std::optional<AccelerationFilterParameters>
-      acceleration_filter;  // of one body alone; none: not learnt
-  double tilt;              // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
+  double tilt;  // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
 
 }  // namespace c3rt::planner

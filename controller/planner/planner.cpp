@@ -20,7 +20,6 @@ Planner::Planner(const Parameters& parameters)
 
 Planner::Planner(const Parameters& parameters, MakeStrategy make)
     : parameters_(parameters), c3_(parameters), strategy_(make(parameters, c3_)) {
-  if (parameters.acceleration_filter) acceleration_filter_.emplace(*parameters.acceleration_filter);
   plan_.lambda_d = Eigen::VectorXd::Zero(c3_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(c3_.n_x(), parameters.N);
   plan_.lambda = Eigen::MatrixXd::Zero(c3_.n_lambda(), parameters.N);
@@ -45,7 +44,6 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     plan_.status = PlanStatus::kFallback;
     plan_.mode = known ? Mode::kHold : Mode::kWait;
     plan_.phase = name(plan_.mode, "");
-    in_c3_ = false;
   }
   return plan_;
 }
@@ -58,11 +56,8 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   situation.robot_left = input.now - followed_ > kLeft;
   situation.available = available(parameters_, input);
   situation.scene = estimate(input);
-  observe_body(input, situation.scene, in_c3_);
-  for (scene::Body& body : situation.scene.bodies) body.a_WB = free_acceleration();
 
   const Decision& decision = strategy_->decide(situation, c3_);
-  in_c3_ = decision.plans_with_c3;
   if (decision.body_lost) ++counters_.body_lost;
   plan_.mode = decision.mode;
   plan_.phase = name(decision.mode, decision.phase);
@@ -115,19 +110,6 @@ scene::Scene Planner::estimate(const Input& input) const {
     }
   }
   return scene;
-}
-
-void Planner::observe_body(const Input& input, const scene::Scene& scene, bool in_c3) {
-  if (!acceleration_filter_) return;
-  // before C3 has touched it somebody may hold the body
-  if (!in_c3) body_touched_ = -1.0;
-  if (!in_c3 || !in_view(parameters_, input.bodies[0])) return;
-  const double gap = scene::gap(scene.effector, scene.body(0)).distance;
-  if (gap < parameters_.acceleration_filter->gap) body_touched_ = input.now;
-  if (body_touched_ < 0.0) return;
-  const double exposure = input.now - input.bodies[0].age;
-  acceleration_filter_->observe(exposure, input.bodies[0].body.p_WB.head<2>(),
-                                exposure < body_touched_ + parameters_.acceleration_filter->settle);
 }
 
 double Planner::delta_t_c(const Input& input) const {

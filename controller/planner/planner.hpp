@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "controller/planner/acceleration_filter.hpp"
 #include "controller/planner/availability.hpp"
 #include "controller/planner/c3_controller.hpp"
 #include "controller/planner/input.hpp"
@@ -42,18 +41,10 @@ class Planner {
   /// What it is doing and why.
   const Activity& activity() const noexcept { return activity_; }
 
-  /// What is believed to accelerate a body that nobody touches; 0 if it is not learnt [m/s²].
-  Eigen::Vector2d free_acceleration() const noexcept {
-    return acceleration_filter_ ? acceleration_filter_->acceleration()
-                                : Eigen::Vector2d(Eigen::Vector2d::Zero());
-  }
-
  private:
   void compose(const Input& input, const c3::Deadline& deadline);
   /// The bodies at the time of the arm's state.
   scene::Scene estimate(const Input& input) const;
-  /// Learns what accelerates the body that C3 has touched and nobody touches now.
-  void observe_body(const Input& input, const scene::Scene& scene, bool in_c3);
   double measured_period(const Input& input, bool& interrupted);
   double delta_t_c(const Input& input) const;
   void plan_with_c3(const Input& input, const Decision& decision, const c3::Deadline& deadline);
@@ -64,9 +55,6 @@ class Planner {
   Parameters parameters_;
   C3Controller c3_;
   std::unique_ptr<Strategy> strategy_;
-  std::optional<AccelerationFilter> acceleration_filter_;
-  double body_touched_ = -1.0;  // the end effector was last near the body; negative: not yet [s]
-  bool in_c3_ = false;          // in the last period
   double previous_now_ = -1.0;
   double followed_ = -1.0;  // the robot last followed; negative: not yet [s]
   static constexpr int kPeriodsAveraged = 10;

@@ -46,6 +46,17 @@ std::string replaced(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+TEST_CASE("vision parameters: accelerations are learnt where the section says how") {
+  CHECK_FALSE(load(kGood).acceleration_filter);
+  const std::string keys =
+      "{noise_m: 5e-4, memory_s: 5, limit_m_per_s2: 0.3, gap_m: 0.003, settle_s: 0.05}";
+  const vision::Parameters p = load(kGood + "acceleration_filter: " + keys + "\n");
+  REQUIRE(p.acceleration_filter);
+  CHECK(p.acceleration_filter->noise == 5e-4);
+  CHECK(p.acceleration_filter->settle == 0.05);
+  CHECK_THROWS(load(kGood + "acceleration_filter: {noise_m: 5e-4}\n"));
+}
+
 TEST_CASE("vision parameters: a complete section is read, and its camera looks where it is told") {
   const vision::Parameters p = load(kGood);
   REQUIRE(p.source == vision::SourceKind::kCameras);

@@ -17,8 +17,11 @@ constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kPeriod = 10 * kMs;
 constexpr double kRadius = 0.03;
 
+constexpr double kTouch = kRadius + 0.02;  // of centres
+
 Parameters parameters() {
   Parameters parameters{};
+  parameters.acceleration_filter = {1e-4, 5.0, 0.3, 0.003, 0.05};
   parameters.rate = 100.0;
   parameters.estimator = {1.0, 1.0, VelocityFilter::kTwoTap, 0.05, 0.05, 2};
   return parameters;
@@ -67,7 +70,7 @@ struct World {
   static std::vector<ObjectStart> starts(int objects) {
     std::vector<ObjectStart> result;
     for (int i = 0; i < objects; ++i)
-      result.push_back({"object" + std::to_string(i), kRadius, {0.4, 0.2 + i, kRadius}});
+      result.push_back({"object" + std::to_string(i), kRadius, {0.4, 0.2 + i, kRadius}, kTouch});
     return result;
   }
   /// The next exposure.
@@ -126,6 +129,60 @@ TEST_CASE("vision node: it expects an object where the scenario puts it, then wh
   }
   CHECK(world.source.predicted[0].p_WB.x() ==
         Approx(world.source.p_WB.x()).margin(1e-9));  // of the newest exposure
+}
+
+/// The object rolls freely from here on, down a slope.
+Eigen::Vector2d after_rolling(World& world, double slope, double seconds, bool effector_known) {
+  const Eigen::Vector3d start = world.source.p_WB;
+  Eigen::Vector2d learnt = Eigen::Vector2d::Zero();
+  for (double t = 0.01; t < seconds; t += 0.01) {
+    world.source.p_WB.x() = start.x() + 0.5 * slope * t * t;
+    if (effector_known) world.node.see_effector(world.now_ns, {0.0, 0.0, 1.0});
+    const wire::ObjectEstimate& estimate = world.step().estimates[0];
+    learnt << estimate.a_WB_m_per_s2[0], estimate.a_WB_m_per_s2[1];
+  }
+  return learnt;
+}
+
+/// The end effector touches the object where it lies, and leaves it.
+void touch(World& world) {
+  for (int i = 0; i < 10; ++i) {
+    world.node.see_effector(world.now_ns, world.source.p_WB + kTouch * Eigen::Vector3d::UnitZ());
+    world.step();
+  }
+}
+
+TEST_CASE("vision node: what accelerates an object is learnt once the end effector has left it") {
+  World world;
+  touch(world);
+  const Eigen::Vector2d learnt = after_rolling(world, 0.1, 1.0, true);
+  CHECK((learnt - Eigen::Vector2d(0.1, 0.0)).norm() < 0.01);
+}
+
+TEST_CASE("vision node: of an object that a hand may hold or move no acceleration is learnt") {
+  SECTION("the end effector has not been there yet") {
+    World world;
+    CHECK(after_rolling(world, 0.1, 1.0, true).isZero(0.0));
+  }
+  SECTION("where the end effector is, is not known") {
+    World world;
+    touch(world);
+    const Eigen::Vector2d learnt = after_rolling(world, 0.1, 0.1, false);
+    CHECK((after_rolling(world, 0.2, 1.0, false) - learnt).isZero(0.0));
+  }
+  SECTION("it left long ago") {
+    World world;
+    touch(world);
+    const Eigen::Vector2d learnt = after_rolling(world, 0.0, 2.5, true);
+    CHECK(after_rolling(world, 0.1, 1.0, true) == learnt);
+  }
+  SECTION("it was lost in the meantime") {
+    World world;
+    touch(world);
+    world.inject(c3rt_v2_FAULT_LOSE_OBJECT, 0.2);
+    after_rolling(world, 0.0, 0.25, true);
+    CHECK(after_rolling(world, 0.1, 1.0, true).isZero(1e-3));
+  }
 }
 
 TEST_CASE("vision node: an object out of view is lost after a while, told once, and found again") {

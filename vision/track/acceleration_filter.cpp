@@ -1,8 +1,8 @@
-#include "controller/planner/acceleration_filter.hpp"
+#include "vision/track/acceleration_filter.hpp"
 
 #include <cmath>
 
-namespace c3rt::planner {
+namespace c3rt::vision {
 namespace {
 
 constexpr double kUnknownSpeed = 1.0;  // what a contact may leave [m/s]
@@ -61,4 +61,4 @@ void AccelerationFilter::observe(double time, const Eigen::Vector2d& p_WB, bool 
   if (size > parameters_.limit) acceleration_ *= parameters_.limit / size;
 }
 
-}  // namespace c3rt::planner
+}  // namespace c3rt::vision

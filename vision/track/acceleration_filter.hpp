@@ -1,11 +1,17 @@
 #pragma once
-// What accelerates a body that nobody touches: a table that is tilted, and that the model has
-// level.
+// What accelerates a body that rolls freely: a table that is tilted, and that planners know as
+// level. Pure; times are the exposures' stamps.
 #include <Eigen/Core>
 
-#include "controller/planner/parameters.hpp"
+namespace c3rt::vision {
 
-namespace c3rt::planner {
+struct AccelerationFilterParameters {
+  double noise;   // of a seen position, standard deviation [m]
+  double memory;  // what was seen longer ago than this, of untouched rolling, fades [s]
+  double limit;   // the acceleration is never longer than this [m/s²]
+  double gap;     // an end effector nearer than this may touch the body [m]
+  double settle;  // nor is the body looked at for this long after a touch [s]
+};
 
 /// Kalman filter of (p, v, a) for x and y alike: a is constant, and v is known anew whenever the
 /// body was touched, as a contact may change it by any amount but leaves a as it is. So a is drawn
@@ -33,4 +39,4 @@ class AccelerationFilter {
   Eigen::Vector2d acceleration_ = Eigen::Vector2d::Zero();
 };
 
-}  // namespace c3rt::planner
+}  // namespace c3rt::vision

@@ -1,4 +1,4 @@
-#include "controller/planner/acceleration_filter.hpp"
+#include "vision/track/acceleration_filter.hpp"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
 
-namespace c3rt::planner {
+namespace c3rt::vision {
 namespace {
 
 constexpr double kPeriod = 1.0 / 80.0;
@@ -131,4 +131,4 @@ TEST_CASE("observing does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::planner
+}  // namespace c3rt::vision
