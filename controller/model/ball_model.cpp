@@ -171,12 +171,12 @@ class RollingBall final : public PlanningModel {
   void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
     x = ball_state(scene);
   }
-  ContactSystem contact_system(const scene::Scene& scene,
-                               const std::vector<int>& contacts) const override {
+  void evaluate(const scene::Scene& scene, const std::vector<int>& contacts,
+                ContactSystem& system) const override {
     std::vector<BallContact> chosen;
     for (const int i : contacts)
       chosen.push_back(i == 0 ? BallContact::kEndEffector : BallContact::kTable);
-    return ball_contact_system(parameters_, scene, chosen);
+    system = ball_contact_system(parameters_, scene, chosen);
   }
 
  private:

@@ -168,14 +168,14 @@ class RollingBalls final : public PlanningModel {
       x.segment<2>(order.v_WB(i)) = scene.body(i).v_WB.head<2>();
     }
   }
-  ContactSystem contact_system(const scene::Scene& scene,
-                               const std::vector<int>& contacts) const override {
+  void evaluate(const scene::Scene& scene, const std::vector<int>& contacts,
+                ContactSystem& system) const override {
     Eigen::VectorXd x(layout().n_x);
     state(scene, x);
     std::vector<ContactPair> pairs;
     for (const int i : contacts)
       pairs.push_back(layout().contacts[static_cast<std::size_t>(i)].bodies);
-    return balls_contact_system(parameters_, pairs, x);
+    system = balls_contact_system(parameters_, pairs, x);
   }
 
  private:

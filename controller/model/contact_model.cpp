@@ -23,6 +23,15 @@ lcs::Lcs to_lcs(ContactModel model, const ContactSystem& system, double dt) {
                                                 : anitescu(system, dt);
 }
 
+void to_lcs(ContactModel model, const ContactSystem& system, double dt, LcsStorage& storage,
+            lcs::Lcs& lcs) {
+  if (model == ContactModel::kStewartTrinkle) {
+    stewart_trinkle(system, dt, storage, lcs);
+  } else {
+    anitescu(system, dt, storage, lcs);
+  }
+}
+
 double newtons(ContactModel model, double scale, double dt) noexcept {
   return model == ContactModel::kStewartTrinkle ? scale : scale / dt;
 }

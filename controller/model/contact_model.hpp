@@ -44,6 +44,9 @@ class LambdaLayout {
 /// The system's LCS.
 /// @param dt time step Δt [s]
 lcs::Lcs to_lcs(ContactModel model, const ContactSystem& system, double dt);
+/// The same in place of another one, without heap where that had the same sizes.
+void to_lcs(ContactModel model, const ContactSystem& system, double dt, LcsStorage& storage,
+            lcs::Lcs& lcs);
 
 /// What a λ of this model is to be multiplied with for newtons, where its forces were scaled.
 /// @param scale of the forces, 1: none  @param dt of its LCS [s]

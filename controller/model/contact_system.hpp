@@ -30,6 +30,13 @@ struct ContactSystem {
   Eigen::Index n_e() const { return n_c() == 0 ? 0 : J_t.rows() / n_c(); }
 };
 
+/// What is in between when an LCS is made, kept so that the next one of the same sizes needs no
+/// heap.
+struct LcsStorage {
+  Eigen::MatrixXd V_x, V_u, V_lambda, E_t, J_c, J_n_q, to_A, to_E, to_F;
+  Eigen::VectorXd mu, V_d, phi_q;
+};
+
 /// The LCS of Stewart and Trinkle: (8) and (9) with x = [q; v] and λ = [γ; λⁿ; λᵗ].
 ///
 ///   v⁺ = v + Δt (J_f [q; v; u] + M⁻¹ J_nᵀ λⁿ + M⁻¹ J_tᵀ λᵗ + d_v),   q⁺ = q + Δt N_q v⁺
@@ -40,6 +47,8 @@ struct ContactSystem {
 /// @param dt time step Δt [s]
 /// Source: [C3, eq. (8), (9)]; N_q⁺ replaces the identity where q and v differ in size.
 lcs::Lcs stewart_trinkle(const ContactSystem& system, double dt);
+/// The same in place of another one, without heap where that had the same sizes.
+void stewart_trinkle(const ContactSystem& system, double dt, LcsStorage& storage, lcs::Lcs& lcs);
 
 /// The LCS of Anitescu: (12) and (13) with x = [q; v] and one λ for each edge of each contact's
 /// cone. λ is an impulse [N s], as the paper has it: no Δt stands before it.
@@ -54,6 +63,8 @@ lcs::Lcs stewart_trinkle(const ContactSystem& system, double dt);
 /// @param dt time step Δt [s]
 /// Source: [C3, eq. (12), (13)]. (12) prints d_v without its Δt; the discretisation of (10) has it.
 lcs::Lcs anitescu(const ContactSystem& system, double dt);
+/// The same in place of another one, without heap where that had the same sizes.
+void anitescu(const ContactSystem& system, double dt, LcsStorage& storage, lcs::Lcs& lcs);
 
 /// Contacts that are linear springs without friction, evaluated at the start of the step: x = [q;
 /// v], λ = the springs' forces [N].

@@ -69,8 +69,14 @@ class PlanningModel {
 
   /// The multi-contact model at this scene.
   /// @param contacts indices into layout().contacts, in the order of λ
-  virtual ContactSystem contact_system(const scene::Scene& scene,
-                                       const std::vector<int>& contacts) const = 0;
+  ContactSystem contact_system(const scene::Scene& scene, const std::vector<int>& contacts) const {
+    ContactSystem system;
+    evaluate(scene, contacts, system);
+    return system;
+  }
+  /// The same in place of another one.
+  virtual void evaluate(const scene::Scene& scene, const std::vector<int>& contacts,
+                        ContactSystem& system) const = 0;
 
  private:
   Layout layout_;

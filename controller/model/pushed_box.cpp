@@ -84,14 +84,13 @@ class PushedBox final : public PlanningModel {
     x.segment<3>(L::omega_WB) = box.omega_WB;
   }
 
-  ContactSystem contact_system(const scene::Scene& scene,
-                               const std::vector<int>& contacts) const override {
+  void evaluate(const scene::Scene& scene, const std::vector<int>& contacts,
+                ContactSystem& system) const override {
     const scene::Body& box = scene.body(0);
     const Matrix3d R = Eigen::Quaterniond(box.q_WB).toRotationMatrix();
     const Matrix3d inertia = R * inertia_.asDiagonal() * R.transpose();
     const Matrix3d inverse_inertia = R * inertia_.cwiseInverse().asDiagonal() * R.transpose();
 
-    ContactSystem system;
     system.q.resize(L::n_v);
     system.q << scene.effector.p_WE, box.p_WB, Vector3d::Zero();
     system.N_q = Eigen::MatrixXd::Identity(L::n_v, L::n_v);
@@ -136,7 +135,6 @@ class PushedBox final : public PlanningModel {
       edges.row(2) = contact.s.transpose() * contact.relative_velocity;
       edges.row(3) = -edges.row(2);
     }
-    return system;
   }
 
  private:

@@ -6,6 +6,7 @@
 #include "controller/model/balls_model.hpp"
 #include "controller/model/cart_pole.hpp"
 #include "controller/model/finger_gaiting.hpp"
+#include "controller/model/objects_model.hpp"
 #include "controller/model/pivoting.hpp"
 #include "controller/model/pushed_box.hpp"
 
@@ -20,7 +21,7 @@ double ModelValues::operator[](const std::string& key) const {
 
 const std::vector<ModelKind>& model_kinds() {
   static const std::vector<ModelKind> kinds{rolling_ball_kind(), rolling_balls_kind(),
-                                            pushed_box_kind()};
+                                            pushed_box_kind(), mjcf_kind()};
   return kinds;
 }
 

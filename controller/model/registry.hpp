@@ -2,30 +2,40 @@
 // The models by name: a new one is a file of its own and one line in registry.cpp.
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/model/planning_model.hpp"
 #include "controller/model/system_model.hpp"
+#include "controller/scene/object.hpp"
 
 namespace c3rt::model {
 
-/// One number that a model is made from, as a scenario names it, and what it may be.
+/// One thing that a model is made from, as a scenario names it, and what it may be: a number, one
+/// of several words, or the objects' files.
 struct ModelKey {
   std::string name;
   double min = 0.0, max = 0.0;
   std::vector<std::string> choices = {};  // where it names one of these: its value is the index
+  std::optional<double> missing = {};     // its value where a scenario does not name it
+  bool names_objects = false;             // MJCF files, one for all bodies or one for each
 };
 
-/// The numbers of a scenario by their keys.
+/// What a scenario says, by keys.
 class ModelValues {
  public:
   void set(const std::string& key, double value) { values_[key] = value; }
+  void set_objects(std::vector<scene::Object> objects) { objects_ = std::move(objects); }
   /// @throws std::out_of_range naming a key that is not there
   double operator[](const std::string& key) const;
+  /// Of the key that names them, one for each body.
+  const std::vector<scene::Object>& objects() const noexcept { return objects_; }
 
  private:
   std::map<std::string, double> values_;
+  std::vector<scene::Object> objects_;
 };
 
 struct ModelKind {
@@ -33,7 +43,8 @@ struct ModelKind {
   int min_bodies, max_bodies;  // of a scene that it can be of
   std::vector<ModelKey> keys;
   std::unique_ptr<PlanningModel> (*make)(const ModelValues& values, int bodies);
-  // the keys of a body's mass and size, by which weights and lengths carry over to another body
+  // the keys of a body's mass and size, by which weights and lengths carry over to another body;
+  // none: they do not
   std::string mass_key, size_key;
 };
 

@@ -71,18 +71,18 @@ void C3Controller::use(int costs) {
 StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline) {
   // step 2: the LCS about x̂
   model_->state(x_hat, x_hat_);
-  lcs::Lcs planning =
-      model::to_lcs(problem_.contact_model, model_->contact_system(x_hat, problem_.contacts), dt_);
+  model_->evaluate(x_hat, problem_.contacts, system_);
+  model::to_lcs(problem_.contact_model, system_, dt_, storage_, planning_);
   result_.solution = nullptr;
-  const std::optional<double> of_model = lcs::find_force_scale(planning);
+  const std::optional<double> of_model = lcs::find_force_scale(planning_);
   if (!of_model) return StepStatus::kFailed;
   const double scale = scale_forces_ ? *of_model / (size_ratio_ * size_ratio_) : 1.0;
-  if (scale_forces_) lcs::scale_forces(planning, scale);
+  if (scale_forces_) lcs::scale_forces(planning_, scale);
   result_.force_scale = force_unit_ * model::newtons(problem_.contact_model, scale, dt_);
 
   // step 3: Algorithm 1
   use(costs);
-  const c3::Solution& solution = solver_.solve(planning, x_hat_, x_desired_, deadline);
+  const c3::Solution& solution = solver_.solve(planning_, x_hat_, x_desired_, deadline);
   result_.solution = &solution;
   if (solution.status == c3::SolveStatus::kFailed) return StepStatus::kFailed;
   result_.u_c3 = force_unit_ * solution.u_0();

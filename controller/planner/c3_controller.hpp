@@ -85,6 +85,9 @@ class C3Controller {
   int in_use_ = -1;  // of them; negative: none yet
   c3::Solver solver_;
   lcs::Lemke lemke_;
+  model::ContactSystem system_;
+  model::LcsStorage storage_;
+  lcs::Lcs planning_;
   Eigen::MatrixXd x_desired_;
   Eigen::VectorXd x_hat_, x_next_;
   StepResult result_;

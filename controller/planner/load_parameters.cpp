@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "controller/c3/load_settings.hpp"
+#include "controller/mjcf/object.hpp"
 #include "controller/planner/c3_controller.hpp"
 #include "controller/planner/strategy/registry.hpp"
 
@@ -83,6 +84,36 @@ PhaseWeights load_weights(config::Section section, const model::Layout& layout,
   return weights;
 }
 
+/// The objects of MJCF files, one for all bodies or one for each.
+std::vector<scene::Object> load_objects(config::Section& section, const std::string& key,
+                                        int bodies) {
+  std::vector<std::string> files = section.files(key, 1, bodies);
+  if (files.size() == 1) files.resize(static_cast<std::size_t>(bodies), files.front());
+  if (static_cast<int>(files.size()) != bodies) {
+    section.fail(key, "one file, or one for each of " + std::to_string(bodies) + " objects",
+                 std::to_string(files.size()));
+  }
+  std::vector<scene::Object> objects;
+  try {
+    for (const std::string& file : files) objects.push_back(mjcf::read_object(file).object);
+  } catch (const mjcf::Error& e) {
+    section.fail(key, "objects that can be planned with", e.what());
+  }
+  return objects;
+}
+
+void load_value(config::Section& section, const model::ModelKey& key, ModelParameters& parameters) {
+  if (key.names_objects) {
+    parameters.values.set_objects(load_objects(section, key.name, parameters.bodies));
+  } else if (key.missing && !section.has(key.name)) {
+    parameters.values.set(key.name, *key.missing);
+  } else if (!key.choices.empty()) {
+    parameters.values.set(key.name, section.choice(key.name, key.choices));
+  } else {
+    parameters.values.set(key.name, section.number(key.name, {key.min, key.max}));
+  }
+}
+
 /// The kind of the model, its numbers, and {NAME OF A PAIR: true, …}: the contacts to plan with.
 ModelParameters load_model(config::Section& section, int bodies) {
   ModelParameters parameters{};
@@ -105,8 +136,7 @@ ModelParameters load_model(config::Section& section, int bodies) {
                  kind.name + ", for " + std::to_string(kind.min_bodies) + " to " +
                      std::to_string(kind.max_bodies));
   }
-  for (const model::ModelKey& key : kind.keys)
-    parameters.values.set(key.name, section.number(key.name, {key.min, key.max}));
+  for (const model::ModelKey& key : kind.keys) load_value(section, key, parameters);
   parameters.contact_model = section.choice<model::ContactModel>(
       "contact_model", {{"stewart_trinkle", model::ContactModel::kStewartTrinkle},
                         {"anitescu", model::ContactModel::kAnitescu}});
@@ -152,6 +182,8 @@ Ratio load_ratio(config::Section& section, const ModelParameters& model) {
   const double mass = tuned.number("mass_kg", {1e-3, 100}),
                size = tuned.number("radius_m", {1e-3, 1});
   const model::ModelKind& kind = model::model_kind(model.kind);
+  if (kind.mass_key.empty())
+    section.fail("tuned_for", "none beside a model of kind " + kind.name, "one");
   const Ratio ratio{carried(tuned, "mass_kg", model, kind.mass_key, mass, kLightest, kHeaviest),
                     carried(tuned, "radius_m", model, kind.size_key, size, kSmallest, kLargest)};
   tuned.finish();

@@ -20,6 +20,29 @@ Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia
           std::make_shared<const Union>(std::move(parts))};
 }
 
+Object scaled(const Object& object, double mass, double size) {
+  Object result = object;
+  result.mass *= mass;
+  result.inertia *= mass * size * size;
+  if (size == 1.0) return result;
+  Union parts;
+  for (Part part : object.parts->parts) {
+    part.p_BP *= size;
+    part.shape.radius *= size;
+    part.shape.half_length *= size;
+    part.shape.half_sizes *= size;
+    if (part.shape.kind == ShapeKind::kConvexMesh) {
+      std::vector<Eigen::Vector3d> corners = part.shape.mesh->vertices();
+      for (Eigen::Vector3d& corner : corners) corner *= size;
+      parts.meshes.push_back(std::make_shared<const ConvexMesh>(std::move(corners)));
+      part.shape.mesh = parts.meshes.back().get();
+    }
+    parts.parts.push_back(part);
+  }
+  result.parts = std::make_shared<const Union>(std::move(parts));
+  return result;
+}
+
 double reach(const Shape& shape, const Eigen::Vector3d& direction) noexcept {
   double most = -std::numeric_limits<double>::infinity();
   switch (shape.kind) {

@@ -21,9 +21,11 @@ struct Object {
   Shape shape() const noexcept;
 };
 
-/// A box of even density, say.
 Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia, double friction,
                    Union parts);
+
+/// The same of another mass and size, of one density in itself as before.
+Object scaled(const Object& object, double mass, double size);
 
 /// How far along a direction a shape reaches from the origin of its frame [m]. A direction of
 /// length 1 in that frame.

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "controller/scene/simplex.hpp"
+
 namespace c3rt::scene {
 namespace {
 
@@ -44,47 +46,6 @@ Nearest nearest_of_cylinder(double radius, double half_length, const Vector3d& p
     return {from_edge.norm(), from_edge.normalized()};
   }
   return side > end ? Nearest{side, outwards} : Nearest{end, along};
-}
-
-/// The corners of a point, edge, triangle or tetrahedron.
-struct Simplex {
-  std::array<Vector3d, 4> corners;
-  int size = 0;
-  Simplex() { corners.fill(Vector3d::Zero()); }
-};
-
-/// The point of a simplex that is nearest to the origin, by trying every subset of its corners.
-/// Those that are not needed for it are left out.
-Vector3d reduce(Simplex& simplex) noexcept {
-  double best = std::numeric_limits<double>::infinity();
-  Vector3d point = simplex.corners[0];
-  Simplex needed;
-  for (unsigned subset = 1; subset < (1u << simplex.size); ++subset) {
-    Simplex of;
-    for (int i = 0; i < simplex.size; ++i) {
-      if ((subset >> i & 1u) != 0)
-        of.corners[static_cast<std::size_t>(of.size++)] =
-            simplex.corners[static_cast<std::size_t>(i)];
-    }
-    Vector3d candidate = of.corners[0];
-    if (of.size > 1) {
-      // of its plane: 0 = Aᵀ (a_0 + A t), in the simplex where every weight is positive
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> A(3, of.size - 1);
-      for (int i = 1; i < of.size; ++i)
-        A.col(i - 1) = of.corners[static_cast<std::size_t>(i)] - of.corners[0];
-      const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> t =
-          A.colPivHouseholderQr().solve(-of.corners[0]);
-      if (t.minCoeff() < 0.0 || t.sum() > 1.0) continue;
-      candidate += A * t;
-    }
-    if (candidate.squaredNorm() < best) {
-      best = candidate.squaredNorm();
-      point = candidate;
-      needed = of;
-    }
-  }
-  simplex = needed;
-  return point;
 }
 
 /// The face of a hull that a point inside it is nearest to.

@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 
 #include "controller/example/load_experiment.hpp"
+#include "controller/planner/c3_controller.hpp"
+#include "controller/scene/object.hpp"
 #include "controller/task/circle.hpp"
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
@@ -338,4 +340,51 @@ TEST_CASE("scenario: what a robot's description says of a scenario is checked by
   CHECK_THAT(
       error("initial_q_rad: [0.0,", "initial_q_rad: [3.0,"),
       Contains("wrong_robot.yaml:25: plant.initial_q_rad: expected joint 1 in [-2.897300, "));
+}
+
+TEST_CASE("scenario: objects to plan with come from MJCF files beside the one that names them") {
+  const auto changed = [](const std::string& objects, const std::string& more = "") {
+    const std::string base = kFolder + "push_box.yaml";
+    return c3rt::config::read_scenario(Document::parse(
+        "name: own\ndescription: none\nextends: " + base +
+            "\nplanner:\n"
+            "  model: {kind: mjcf, box_mass_kg: ~, box_half_x_m: ~, box_half_y_m: ~, box_half_z_m: "
+            "~,\n"
+            "    " +
+            objects + more +
+            ", contacts: {end_effector_box: ~, box_table: ~,\n"
+            "    end_effector_object: true, object_table: true}}\n"
+            "  weights: {push: {Q: {box_xy: ~, box_z: ~, box_rotation: ~, box_velocity: ~,\n"
+            "    box_angular_velocity: ~, object_xy: 1, object_z: 0, object_rotation: 0.05,\n"
+            "    object_velocity: 1.0e-4, object_angular_velocity: 1.0e-5}}}\n",
+        kFolder + "own.yaml"));
+  };
+  const auto refused = [&](const std::string& objects, const std::string& more = "") {
+    try {
+      (void)changed(objects, more);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  const auto scenario = changed("objects: ../objects/t.xml", ", size_scale: 0.98, mass_scale: 2");
+  const auto& model = scenario.planner.model;
+  CHECK(model.kind == "mjcf");
+  REQUIRE(model.values.objects().size() == 1);
+  CHECK(model.values.objects()[0].name == "t");
+  CHECK(model.values["size_scale"] == 0.98);
+  CHECK(model.values["support_points"] == 4.0);
+  const auto planned = c3rt::planner::make_model(model);
+  CHECK(planned->layout().n_c() == 5);
+  CHECK(c3rt::scene::reach(planned->layout().world.body(0).shape, {1.0, 0.0, 0.0}) ==
+        Approx(0.98 * 0.08));
+
+  CHECK_THAT(refused("objects: ../objects/u.xml"), Contains("own.yaml:6: planner.model.objects"));
+  CHECK_THAT(refused("objects: [../objects/t.xml, ../objects/box.xml]"),
+             Contains("expected a list of 1 to 1 files"));
+  CHECK_THAT(refused("objects: own_broken.xml"), Contains("expected a file that is there"));
+  CHECK_THAT(refused("objects: ../scenarios/push_box.yaml"),
+             Contains("objects that can be planned with"));
+  CHECK_THAT(refused("objects: ../objects/t.xml", ", end_effector_contacts: all"),
+             Contains("nearest, each"));
 }

@@ -13,14 +13,25 @@ using Eigen::VectorXd;
 
 namespace {
 
+scene::Object box() {
+  scene::Union parts;
+  parts.parts.push_back({scene::Shape::box({0.05, 0.04, 0.03})});
+  return scene::make_object("box", 0.5, 0.001 * Eigen::Matrix3d::Identity(), 0.4, parts);
+}
+
 /// Every kind with numbers within its ranges, and every count of bodies that it is for.
 std::vector<std::unique_ptr<model::PlanningModel>> all_models() {
   std::vector<std::unique_ptr<model::PlanningModel>> models;
   for (const model::ModelKind& kind : model::model_kinds()) {
     for (int bodies = kind.min_bodies; bodies <= kind.max_bodies; ++bodies) {
       model::ModelValues values;
-      for (const model::ModelKey& key : kind.keys)
-        values.set(key.name, std::min(std::max(0.05, key.min), key.max));
+      for (const model::ModelKey& key : kind.keys) {
+        if (key.names_objects) {
+          values.set_objects({static_cast<std::size_t>(bodies), box()});
+        } else {
+          values.set(key.name, std::min(std::max(0.05, key.min), key.max));
+        }
+      }
       models.push_back(kind.make(values, bodies));
     }
   }

@@ -110,11 +110,10 @@ class Immovable final : public model::PlanningModel {
   void state(const scene::Scene& scene, Eigen::Ref<Eigen::VectorXd> x) const override {
     of_->state(scene, x);
   }
-  model::ContactSystem contact_system(const scene::Scene& scene,
-                                      const std::vector<int>& contacts) const override {
-    model::ContactSystem system = of_->contact_system(scene, contacts);
+  void evaluate(const scene::Scene& scene, const std::vector<int>& contacts,
+                model::ContactSystem& system) const override {
+    of_->evaluate(scene, contacts, system);
     system.M_inverse.setZero();
-    return system;
   }
 
  private:
