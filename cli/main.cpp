@@ -19,6 +19,7 @@
 #include "cli/checks.hpp"
 #include "cli/client.hpp"
 #include "cli/examples.hpp"
+#include "cli/inspect.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/look.hpp"
 #include "cli/paths.hpp"
@@ -375,7 +376,41 @@ class CommandLine {
         ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
         ->expected(1)
         ->take_all();
+    add_lcs();
     add_bench();
+  }
+
+  void add_lcs() {
+    CLI::App& parent = *group(app_, "lcs", "The linear complementarity system of a model");
+    parent.require_subcommand(1);
+    CLI::App* inspect = command(
+        parent, "inspect", "Bodies, contacts, sizes, conditioning and errors of a MuJoCo model",
+        [this] { return cli::inspect(inspect_); });
+    inspect
+        ->add_option("models", inspect_.models,
+                     "MJCF files of 1 to 4 objects, one each: docs/objects.md")
+        ->required()
+        ->expected(1, 4);
+    inspect
+        ->add_option("--pairs", inspect_.pairs, "Contacts that the LCS has; default: all there are")
+        ->expected(1, 3)
+        ->check(cli::one_of(cli::inspect_pairs()));
+    inspect->add_option("--contact-model", inspect_.contact_model, "anitescu or stewart_trinkle")
+        ->check(cli::one_of({"anitescu", "stewart_trinkle"}))
+        ->capture_default_str();
+    inspect->add_option("--step", inspect_.step, "Of the LCS [s]")
+        ->check(cli::number(1e-4, 1.0))
+        ->capture_default_str();
+    inspect
+        ->add_option("--effector", inspect_.effector,
+                     "Where the end effector is: x y z from the first object's centre of mass [m]; "
+                     "default: 10 mm behind it")
+        ->expected(3)
+        ->check(cli::number(-10.0, 10.0));
+    inspect->add_option("--support-points", inspect_.support_points, "Of each object: 3 or 4")
+        ->check(cli::whole(3, 4))
+        ->capture_default_str();
+    inspect->add_option("--out", inspect_.out, "File of the LCS as a problem of c3rt solve");
   }
 
   void add_bench() {
@@ -417,6 +452,7 @@ class CommandLine {
   std::string problem_, out_, scenario_;
   std::vector<std::string> overrides_;
   cli::BenchSettings bench_;
+  cli::InspectSettings inspect_;
 };
 
 /// The first files that are opened must not become standard streams that the caller has closed.

@@ -1,6 +1,7 @@
-// Times the QP step, the projections and whole C3 solves, each beside the paper's configuration in
-// the same run (tests/bench/baseline.hpp): "speed-up" is the baseline's time divided by ours. All
-// is CPU time of one thread. Run: c3rt bench c3, or c3rt_bench_c3 --benchmark_repetitions=9
+// Times the QP step, the projections, the LCS of objects and whole C3 solves, each beside the
+// paper's configuration in the same run (tests/bench/baseline.hpp): "speed-up" is the baseline's
+// time divided by ours. All is CPU time of one thread. Run: c3rt bench c3, or c3rt_bench_c3
+// --benchmark_repetitions=9
 #include <map>
 #include <memory>
 #include <string>
@@ -10,6 +11,9 @@
 #include <benchmark/benchmark.h>
 
 #include "controller/c3/solver.hpp"
+#include "controller/mjcf/object.hpp"
+#include "controller/model/block_errors.hpp"
+#include "controller/model/objects_model.hpp"
 #include "tests/bench/baseline.hpp"
 #include "tests/bench/problems.hpp"
 
@@ -232,6 +236,60 @@ void solve(benchmark::State& state, const std::string& problem_name, ProjectionK
   }
 }
 
+/// T-shaped objects lying side by side, moving and turning, the end effector behind the first.
+scene::Scene lying(const model::PlanningModel& model) {
+  scene::Scene scene = model.layout().world;
+  for (int i = 0; i < scene.body_count; ++i) {
+    scene.body(i).p_WB << 0.5, 0.2 * i, 0.02;
+    scene.body(i).v_WB << 0.05, 0.02, 0.0;
+    scene.body(i).omega_WB << 0.0, 0.0, 0.5;
+  }
+  scene.effector.p_WE << 0.36, 0.03, 0.02;
+  return scene;
+}
+
+/// The LCS of objects at a scene: contact system and contact model. The baseline knows no
+/// derivatives: it takes A and E from central differences, of which the contact systems are timed.
+void make_lcs(benchmark::State& state, model::ContactModel contact_model, int objects) {
+  const scene::Object t = mjcf::read_object(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml").object;
+  const auto model =
+      model::make_objects_model({1.0, 0.0195, 0.0, 0.5, 0.4, 0.3, 4, false,
+                                 std::vector<scene::Object>(static_cast<std::size_t>(objects), t)});
+  const scene::Scene scene = lying(*model);
+  const std::vector<int> contacts = model::all_contacts(model->layout());
+
+  const double start = bench::thread_seconds();
+  constexpr int kRounds = 20;
+  for (int round = 0; round < kRounds; ++round) {
+    for (int i = 0; i < model->layout().n_v; ++i) {
+      const VectorXd v = VectorXd::Unit(model->layout().n_v, i);
+      for (const double by : {1e-6, -1e-6}) {
+        // a step of the position, and one of the velocity
+        const model::ContactSystem of_q =
+            model->contact_system(model::moved(scene, v, by), contacts);
+        const model::ContactSystem of_v = model->contact_system(scene, contacts);
+        benchmark::DoNotOptimize(of_q.phi.data());
+        benchmark::DoNotOptimize(of_v.phi.data());
+      }
+    }
+    benchmark::DoNotOptimize(
+        model::to_lcs(contact_model, model->contact_system(scene, contacts), 0.05).A.data());
+  }
+  const double baseline = (bench::thread_seconds() - start) / kRounds;
+
+  model::ContactSystem system;
+  model::LcsStorage storage;
+  lcs::Lcs lcs;
+  for (auto _ : state) {
+    model->evaluate(scene, contacts, system);
+    model::to_lcs(contact_model, system, 0.05, storage, lcs);
+    benchmark::DoNotOptimize(lcs.A.data());
+  }
+  state.counters["n_x"] = model->layout().n_x;
+  state.counters["n_lambda"] = static_cast<double>(lcs.F.rows());
+  count_speed_up(state, baseline);
+}
+
 template <typename F, typename... Arguments>
 void add(const std::string& name, F* function, Arguments... arguments) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
@@ -253,6 +311,13 @@ void add_all() {
   for (const QpBackend backend : both) add_qp(gaiting, backend, 10);
   for (const std::string& problem : {one, two, three}) {
     for (const QpBackend backend : all) add_qp(problem, backend, 5);
+  }
+
+  for (const int objects : {1, 2, 3, 4}) {
+    add("lcs/" + std::to_string(objects) + "_t/anitescu", make_lcs, model::ContactModel::kAnitescu,
+        objects);
+    add("lcs/" + std::to_string(objects) + "_t/stewart_trinkle", make_lcs,
+        model::ContactModel::kStewartTrinkle, objects);
   }
 
   constexpr auto kMiqp = ProjectionKind::kMiqp, kLcp = ProjectionKind::kLcp,
