@@ -97,5 +97,6 @@ install(FILES ${PROJECT_BINARY_DIR}/c3rtConfig.cmake ${PROJECT_BINARY_DIR}/c3rtC
   DESTINATION ${package_directory} COMPONENT library)
 # builds what the component holds, from objects that the programs have anyway
 add_custom_target(library
-  DEPENDS c3rt_package_lcs c3rt_package_qp c3rt_package_c3 c3rt_package_horizon c3rt_package_model c3rt_package_example)
+  DEPENDS c3rt_package_lcs c3rt_package_qp c3rt_package_c3 c3rt_package_horizon c3rt_package_scene c3rt_package_model
+    c3rt_package_example)
 add_dependencies(programs library)

@@ -8,6 +8,7 @@
 
 #include "controller/lcs/lemke.hpp"
 #include "controller/lcs/step.hpp"
+#include "controller/model/block_errors.hpp"
 #include "controller/model/contact_model.hpp"
 #include "tests/support/random.hpp"
 
@@ -36,18 +37,6 @@ scene::Scene anywhere(unsigned seed) {
   do {
     scene.effector.p_WE = box.p_WB + 0.2 * random.vector(3);
   } while (scene::gap(scene.effector, box).distance < 5e-3);
-  return scene;
-}
-
-/// The scene after moving with the velocities v = [v_WE; v_WB; ω_WB] for a time.
-scene::Scene moved(scene::Scene scene, const Eigen::VectorXd& v, double time) {
-  scene.effector.p_WE += time * v.head<3>();
-  scene::Body& box = scene.body(0);
-  box.p_WB += time * v.segment<3>(3);
-  const Vector3d turn = time * v.tail<3>();
-  const Eigen::Quaterniond q_WB = box.q_WB;
-  if (turn.norm() > 0.0)
-    box.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * q_WB;
   return scene;
 }
 
@@ -188,6 +177,31 @@ TEST_CASE("pushed box: free motion is Euler's, and its Jacobians are those of fi
     }
     CHECK(system.J_f_u.topRows<3>().isApprox(Matrix3d::Identity() / kBox.end_effector_mass));
     CHECK(system.J_f_u.bottomRows<6>().isZero());
+  }
+}
+
+TEST_CASE(
+    "pushed box: every block of the LCS is that of the step, to the rank that it is linear in") {
+  const auto model = make_pushed_box(kBox);
+  const std::vector<int> all = all_contacts(model->layout());
+  for (const ContactModel contact_model :
+       {ContactModel::kAnitescu, ContactModel::kStewartTrinkle}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      CAPTURE(seed);
+      scene::Scene scene = anywhere(seed);
+      const BlockErrors moving = block_errors(*model, contact_model, scene, all, 0.05);
+      CHECK(moving.B < 1e-7);
+      CHECK(moving.H < 1e-7);
+      CHECK(moving.F < 1e-7);
+      CHECK(moving.c < 1e-9);
+      scene.body(0).v_WB.setZero();
+      scene.body(0).omega_WB.setZero();
+      scene.effector.v_WE.setZero();
+      const BlockErrors resting = block_errors(*model, contact_model, scene, all, 0.05);
+      CHECK(resting.A < 1e-6);
+      CHECK(resting.D < 1e-6);
+      CHECK(resting.d < 1e-9);
+    }
   }
 }
 
