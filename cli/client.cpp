@@ -135,8 +135,8 @@ std::optional<config::Scenario> running_scenario(const Seat& seat) {
 
 wire::FaultScope fault_scope(const config::Scenario& scenario) {
   wire::FaultScope scope;
-  for (const plant::BallParameters& ball : scenario.plant.world.balls)
-    scope.object_masses.push_back(ball.mass);
+  for (const plant::ObjectParameters& object : scenario.plant.world.objects)
+    scope.object_masses.push_back(object.object.mass);
   const bool cameras = scenario.vision.source == vision::SourceKind::kCameras;
   scope.cameras = cameras ? static_cast<int>(scenario.vision.cameras.size()) : 0;
   return scope;

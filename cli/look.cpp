@@ -135,8 +135,8 @@ int follow(const Seat& seat, double timeout_s, Action&& action) {
   return kDone;
 }
 
-/// What tells the instances of a topic apart, in words: "camera 0 ball 1", "vision". The robot and
-/// the number of a request do not: there is one, and another one each time.
+/// What tells the instances of a topic apart, in words: "camera 0 object 1", "vision". The robot
+/// and the number of a request do not: there is one, and another one each time.
 class KeyVisitor {
  public:
   template <typename T>

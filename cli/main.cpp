@@ -181,20 +181,21 @@ class CommandLine {
   void add_faults() {
     CLI::App& parent = *group(app_, "fault", "Makes something go wrong");
     parent.require_subcommand(1);
-    CLI::App* push = fault(parent, "push-ball", "Pushes a ball", c3rt_v2_FAULT_PUSH_OBJECT,
+    CLI::App* push = fault(parent, "push-ball", "Pushes an object", c3rt_v2_FAULT_PUSH_OBJECT,
                            c3rt_v2_PROCESS_PLANT);
     push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")
         ->expected(3)
         ->required()
         ->check(cli::number(-kFarthest, kFarthest));
-    push->add_option("--ball", index_, "Which ball")->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1));
+    push->add_option("--object,--ball", index_, "Which object")
+        ->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1));
     fault(parent, "drop-commands", "The plant ignores commands", c3rt_v2_FAULT_DROP_COMMANDS,
           c3rt_v2_PROCESS_PLANT);
     fault(parent, "freeze-camera", "A camera sees nothing", c3rt_v2_FAULT_FREEZE_CAMERA,
           c3rt_v2_PROCESS_VISION)
         ->add_option("--camera", index_, "Which camera")
         ->check(cli::whole(0, kMostCameras - 1));
-    fault(parent, "lose-ball", "No camera sees the ball", c3rt_v2_FAULT_LOSE_OBJECT,
+    fault(parent, "lose-ball", "No camera sees the objects", c3rt_v2_FAULT_LOSE_OBJECT,
           c3rt_v2_PROCESS_VISION);
     fault(parent, "stall", "A process stops answering", c3rt_v2_FAULT_STALL, std::nullopt);
     fault(parent, "nan", "A process writes NaN", c3rt_v2_FAULT_NAN, std::nullopt);
@@ -236,7 +237,7 @@ class CommandLine {
     add_path(parent);
     add_line(parent);
     add_pose(parent);
-    target(parent, "hold", "Brings the ball to rest and leaves it",
+    target(parent, "hold", "Brings the object to rest and leaves it",
            [] { return std::vector<task::Parameter>{}; });
     target(parent, "scenario", "Back to the scenario's own task",
            [] { return std::vector<task::Parameter>{}; });
@@ -266,12 +267,12 @@ class CommandLine {
     });
     numbers(*path, "points", points_m_, "x and y of each way-point [m]")->required();
     number(*path, "--interval", interval_s_, "From one to the next [s]");
-    number(*path, "--lead", lead_s_, "Aims at where the ball should be so much later [s]");
+    number(*path, "--lead", lead_s_, "Aims at where the object should be so much later [s]");
     path->add_flag("--held", held_, "Jumps from one to the next instead of moving between them");
   }
 
   void add_line(CLI::App& parent) {
-    CLI::App* line = target(parent, "line", "All balls along a line of constant x", [this] {
+    CLI::App* line = target(parent, "line", "All objects along a line of constant x", [this] {
       return std::vector<task::Parameter>{{"x_m", {x_m_}, ""},
                                           {"step_m", {step_m_}, ""},
                                           {"y_end_m", {y_end_m_}, ""},
@@ -279,7 +280,7 @@ class CommandLine {
     });
     number(*line, "--x", x_m_, "Of the line [m]");
     number(*line, "--step", step_m_, "Of y at a time; its sign is the direction [m]");
-    number(*line, "--end", y_end_m_, "y where a ball has arrived [m]");
+    number(*line, "--end", y_end_m_, "y where an object has arrived [m]");
     number(*line, "--spacing", spacing_m_, "Of the places past the end [m]");
   }
 

@@ -136,7 +136,7 @@ int run(const LaunchSettings& settings) {
 
   // of a task that is done once every object counts
   const int course_goal =
-      task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.balls.size());
+      task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.objects.size());
   if (!settings.in_process) launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
@@ -160,7 +160,7 @@ int run(const LaunchSettings& settings) {
   report.figures = evaluate(
       recorder.series(), task, limits,
       plant::drawn_pushes(scenario.plant.pushes,
-                          static_cast<int>(scenario.plant.world.balls.size()), settings.seed));
+                          static_cast<int>(scenario.plant.world.objects.size()), settings.seed));
   report.services = service_figures(live);
   report.real_time_factor = recorder.real_time_factor();
   report.reflexes = reflex_names(report.figures.error_bits);

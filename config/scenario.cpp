@@ -93,8 +93,9 @@ Scenario read_scenario(Section root) {
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
   scenario.plant = plant::load_parameters(root.section("plant"), load_robot(root));
   scenario.impedance = impedance::load_from_scenario(root);
-  scenario.planner = planner::load_parameters(root.section("planner"), scenario.task.motion,
-                                              static_cast<int>(scenario.plant.world.balls.size()));
+  scenario.planner =
+      planner::load_parameters(root.section("planner"), scenario.task.motion,
+                               static_cast<int>(scenario.plant.world.objects.size()));
   Section vision = root.section("vision");
   scenario.vision = vision::load_parameters(vision);
   const std::optional<task::Goal> goal = scenario.task.motion.goal({});
@@ -102,14 +103,20 @@ Scenario read_scenario(Section root) {
     task.fail("object", "one of the scenario's " + std::to_string(scenario.planner.model.bodies),
               "object " + std::to_string(goal->body));
   }
-  const bool balls =
-      std::none_of(scenario.plant.world.balls.begin(), scenario.plant.world.balls.end(),
-                   [](const auto& object) { return object.half_sizes.has_value(); });
-  if (!balls && scenario.vision.source == vision::SourceKind::kCameras)
-    vision.fail("source", "emulated, as cameras track balls alone", "cameras");
-  if (scenario.vision.acceleration_filter && (!balls || scenario.plant.world.balls.size() != 1)) {
+  const std::vector<plant::ObjectParameters>& objects = scenario.plant.world.objects;
+  const auto other =
+      std::find_if(objects.begin(), objects.end(),
+                   [](const plant::ObjectParameters& object) { return !plant::is_sphere(object); });
+  if (other != objects.end() && scenario.vision.source == vision::SourceKind::kCameras) {
+    vision.fail(
+        "source",
+        "emulated, as cameras track spheres alone and \"" + other->object.name + "\" is none",
+        "cameras");
+  }
+  if (scenario.vision.acceleration_filter && (other != objects.end() || objects.size() != 1)) {
     vision.fail("acceleration_filter", "one sphere, as others would touch it",
-                std::to_string(scenario.plant.world.balls.size()) + " objects");
+                other != objects.end() ? "\"" + other->object.name + "\", which is none"
+                                       : std::to_string(objects.size()) + " objects");
   }
   root.finish();
   scenario.plant.recovers_alone = scenario.service.recovery == Recovery::kAutomatic;

@@ -16,8 +16,8 @@ namespace c3rt::config {
 
 struct Task {
   task::Task motion = task::Circle{};  // what the bodies are to do
-  int loops;  // the run ends after this many rounds of circle or path; 1 of a line, when all balls
-              // have arrived
+  int loops;  // the run ends after this many rounds of circle or path; 1 of a line, when all
+              // objects have arrived
   double duration_s;  // or after this long
 };
 

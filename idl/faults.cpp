@@ -43,7 +43,8 @@ std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
   const int objects = scope.object_masses.empty() ? c3rt_v2_MAX_OBJECTS
                                                   : static_cast<int>(scope.object_masses.size());
   if (fault.index < 0 || fault.index >= objects)
-    return text("expected a ball from 0 to %d, got %d", objects - 1, static_cast<int>(fault.index));
+    return text("expected an object from 0 to %d, got %d", objects - 1,
+                static_cast<int>(fault.index));
   if (!std::isfinite(impulse[0]) || !std::isfinite(impulse[1]) || !std::isfinite(impulse[2])) {
     return text("expected an impulse of finite numbers, got (%g, %g, %g) N s", impulse[0],
                 impulse[1], impulse[2]);
@@ -51,8 +52,9 @@ std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
   if (scope.object_masses.empty()) return {};
   const double mass = scope.object_masses[static_cast<std::size_t>(fault.index)];
   if (size <= mass * kHardestPush) return {};
-  return text("expected an impulse of at most %g N s, which gives ball %d of %g kg %g m/s, got %g",
-              mass * kHardestPush, static_cast<int>(fault.index), mass, kHardestPush, size);
+  return text(
+      "expected an impulse of at most %g N s, which gives object %d of %g kg %g m/s, got %g",
+      mass * kHardestPush, static_cast<int>(fault.index), mass, kHardestPush, size);
 }
 
 }  // namespace

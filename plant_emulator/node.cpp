@@ -44,9 +44,9 @@ void fill_scene(wire::Scene& sample, const State& state, bool exposure) noexcept
   sample.exposure = exposure;
   wire::fill(sample.q_rad, state.q);
   wire::fill(sample.p_WE_m, state.p_WE);
-  sample.object_count = state.ball_count;
-  for (int i = 0; i < state.ball_count; ++i)
-    wire::fill_motion(sample.objects[i], state.balls[static_cast<std::size_t>(i)]);
+  sample.object_count = state.object_count;
+  for (int i = 0; i < state.object_count; ++i)
+    wire::fill_motion(sample.objects[i], state.objects[static_cast<std::size_t>(i)]);
 }
 
 }  // namespace
@@ -55,8 +55,8 @@ Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t see
     : plant_(drawn_start(parameters, seed)),
       exposure_(base::nanoseconds(1.0 / exposure_rate)),
       scene_(kScenePeriodNs),
-      pushes_(
-          drawn_pushes(parameters.pushes, static_cast<int>(parameters.world.balls.size()), seed)) {}
+      pushes_(drawn_pushes(parameters.pushes, static_cast<int>(parameters.world.objects.size()),
+                           seed)) {}
 
 void Node::obey(const Order& order) noexcept {
   switch (order.kind) {
@@ -66,8 +66,8 @@ void Node::obey(const Order& order) noexcept {
     case OrderKind::kStop:
       plant_.request_stop();
       return;
-    case OrderKind::kPushBall:
-      plant_.push_ball(order.index, order.value);
+    case OrderKind::kPushObject:
+      plant_.push(order.index, order.value);
       break;
     case OrderKind::kDropCommands:
       plant_.drop_commands(order.duration);
@@ -92,7 +92,7 @@ const Node::Output& Node::step(std::int64_t now_ns, const wire::RobotCommand* co
   }
   // the scenario's own pushes take the way of a client's, but at the same instant in every run
   for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
-    obey({OrderKind::kPushBall, pushes_[pushed_].ball, 0.0, pushes_[pushed_].impulse});
+    obey({OrderKind::kPushObject, pushes_[pushed_].object, 0.0, pushes_[pushed_].impulse});
   plant_.step_1ms();
   const Mode mode = plant_.state().mode;
   if (mode == Mode::kReflex && mode_ != Mode::kReflex) ++counters_.reflexes;

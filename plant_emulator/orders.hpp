@@ -8,11 +8,11 @@
 
 namespace c3rt::plant {
 
-enum class OrderKind { kRecover, kStop, kPushBall, kDropCommands, kStall, kNan, kEndFaults };
+enum class OrderKind { kRecover, kStop, kPushObject, kDropCommands, kStall, kNan, kEndFaults };
 
 struct Order {
   OrderKind kind;
-  int index;              // ball
+  int index;              // of an object
   double duration;        // [s]
   Eigen::Vector3d value;  // impulse [N s]
 };

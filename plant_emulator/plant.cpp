@@ -14,8 +14,8 @@ const Vector7d kHoldStiffness =
     (Vector7d() << 600, 600, 600, 600, 250, 150, 50).finished();  // [N m/rad]
 constexpr double kRestVelocity = 0.02;                            // [rad/s]
 
-// A hand that holds a ball: on a table that is tilted by 1 degree it creeps 0.02 mm/s. It lets go
-// when the end effector is this close to touching.
+// A hand that holds an object: on a table that is tilted by 1 degree a sphere creeps 0.02 mm/s. It
+// lets go when the end effector is this close to touching.
 constexpr double kHandDamping = 1000.0;  // of all six degrees of freedom [N s/m, N m s/rad]
 constexpr double kTouch = 5e-4;          // [m]
 
@@ -45,16 +45,17 @@ Plant::Plant(const Parameters& parameters)
   arm_bodies_.back() = mj_name2id(model_.get(), mjOBJ_BODY, "end_effector");
   Eigen::Map<Vector7d>(data_->qpos) = parameters.initial_q;
   Eigen::Map<Vector7d>(model_->dof_damping) += kBrakeDamping;
-  for (std::size_t i = 0; i < parameters.world.balls.size(); ++i) {
-    if (!parameters.world.balls[i].held) continue;
-    const double reach =
-        parameters.world.balls[i].radius + parameters.world.end_effector.sphere_radius + kTouch;
-    hands_.push_back({static_cast<int>(i), reach});
+  state_.object_count = static_cast<int>(parameters.world.objects.size());
+  for (std::size_t i = 0; i < parameters.world.objects.size(); ++i) {
+    const ObjectParameters& object = parameters_.world.objects[i];
+    state_.objects[i].shape = object.object.shape();
+    state_.objects[i].name = object.object.name.c_str();
+    if (!object.held) continue;
+    held_.push_back(static_cast<int>(i));
     hand_damping(static_cast<int>(i)).array() += kHandDamping;
   }
   mj_step1(model_.get(),
            data_.get());  // kept between cycles: everything that depends on position and velocity
-  state_.ball_count = static_cast<int>(parameters.world.balls.size());
   read();
 }
 
@@ -70,27 +71,30 @@ void Plant::set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t sta
   events_.command = true;
 }
 
-void Plant::push_ball(int index, const Eigen::Vector3d& impulse) noexcept {
-  if (index < 0 || index >= state_.ball_count || !impulse.allFinite()) return;
+void Plant::push(int index, const Eigen::Vector3d& impulse) noexcept {
+  if (index < 0 || index >= state_.object_count || !impulse.allFinite()) return;
   const int dof = kJoints + 6 * index;
   Eigen::Map<Eigen::Vector3d>(data_->qfrc_applied + dof) = impulse / kCycle;
   push_pending_ = true;
 }
 
-Eigen::Map<Eigen::Matrix<double, 6, 1>> Plant::hand_damping(int ball) noexcept {
-  return Eigen::Map<Eigen::Matrix<double, 6, 1>>(model_->dof_damping + kJoints + 6 * ball);
+Eigen::Map<Eigen::Matrix<double, 6, 1>> Plant::hand_damping(int object) noexcept {
+  return Eigen::Map<Eigen::Matrix<double, 6, 1>>(model_->dof_damping + kJoints + 6 * object);
 }
 
 void Plant::let_go() noexcept {
-  for (std::size_t i = 0; i < hands_.size();) {
-    const scene::Body& ball = state_.balls[static_cast<std::size_t>(hands_[i].ball)];
-    if ((state_.p_WE - ball.p_WB).norm() > hands_[i].reach) {
+  scene::Effector effector;
+  effector.p_WE = state_.p_WE;
+  effector.radius = parameters_.world.end_effector.sphere_radius;
+  for (std::size_t i = 0; i < held_.size();) {
+    const scene::Body& object = state_.objects[static_cast<std::size_t>(held_[i])];
+    if (scene::gap(effector, object).distance > kTouch) {
       ++i;
       continue;
     }
-    hand_damping(hands_[i].ball).array() -= kHandDamping;
-    hands_[i] = hands_.back();
-    hands_.pop_back();
+    hand_damping(held_[i]).array() -= kHandDamping;
+    held_[i] = held_.back();
+    held_.pop_back();
   }
 }
 
@@ -225,15 +229,15 @@ void Plant::read() noexcept {
   s.errors = mode_.errors;
   s.command_success_rate =
       window_ > 0 ? static_cast<double>(received_.count()) / static_cast<double>(window_) : 0.0;
-  for (int i = 0; i < s.ball_count; ++i) {
-    scene::Body& ball = s.balls[static_cast<std::size_t>(i)];
+  for (int i = 0; i < s.object_count; ++i) {
+    scene::Body& object = s.objects[static_cast<std::size_t>(i)];
     const double* q = data_->qpos + kJoints + 7 * i;
     const double* v = data_->qvel + kJoints + 6 * i;
-    ball.p_WB = Eigen::Vector3d(q[0], q[1], q[2]);
-    ball.q_WB = Eigen::Quaterniond(q[3], q[4], q[5], q[6]);
-    ball.v_WB = Eigen::Vector3d(v[0], v[1], v[2]);
-    ball.omega_WB =
-        ball.q_WB * Eigen::Vector3d(v[3], v[4], v[5]);  // MuJoCo stores it in the ball's axes
+    object.p_WB = Eigen::Vector3d(q[0], q[1], q[2]);
+    object.q_WB = Eigen::Quaterniond(q[3], q[4], q[5], q[6]);
+    object.v_WB = Eigen::Vector3d(v[0], v[1], v[2]);
+    object.omega_WB =
+        object.q_WB * Eigen::Vector3d(v[3], v[4], v[5]);  // MuJoCo stores it in the object's axes
   }
   // MuJoCo answers numbers that are not finite by resetting the world; the next cycle makes that an
   // error

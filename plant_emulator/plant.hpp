@@ -37,8 +37,8 @@ struct State {
   std::int64_t command_state_ns;   // the state stamp that it answered
   std::uint64_t saturated_cycles;  // cycles in which torque or torque rate was cut
   std::uint64_t lost_commands;     // cycles in Mode::kMove without a new command
-  int ball_count;
-  std::array<scene::Body, scene::kMaxBodies> balls;
+  int object_count;
+  std::array<scene::Body, scene::kMaxBodies> objects;
 };
 
 class Plant {
@@ -67,8 +67,8 @@ class Plant {
            mode_.errors == bit(Error::kCommunicationConstraintsViolation);
   }
 
-  /// Pushes a ball during the next cycle. RT: no heap, no throw.
-  void push_ball(int index, const Eigen::Vector3d& impulse) noexcept;  // [N s], in W
+  /// Pushes an object at its centre of mass during the next cycle. RT: no heap, no throw.
+  void push(int index, const Eigen::Vector3d& impulse) noexcept;  // [N s], in W
   /// Ignores commands for a while. RT: no heap, no throw.
   void drop_commands(double duration) noexcept { drop_until_ = state_.time + duration; }  // [s]
 
@@ -85,9 +85,9 @@ class Plant {
   void enter(ModeState next_mode) noexcept;
   void substep(const Vector7d& tau) noexcept;
   void read() noexcept;
-  /// Damping of a ball's six degrees of freedom, in the model.
-  Eigen::Map<Eigen::Matrix<double, 6, 1>> hand_damping(int ball) noexcept;
-  void let_go() noexcept;  // of the balls that the end effector touches
+  /// Damping of an object's six degrees of freedom, in the model.
+  Eigen::Map<Eigen::Matrix<double, 6, 1>> hand_damping(int object) noexcept;
+  void let_go() noexcept;  // of the objects that the end effector touches
 
   Parameters parameters_;
   Model model_;
@@ -111,11 +111,7 @@ class Plant {
   bool holding_ = true;  // at rest; false while the brake still stops the arm
   double drop_until_ = 0.0;
   bool push_pending_ = false;
-  struct Hand {
-    int ball;
-    double reach;  // distance of the end effector's centre at which it lets go [m]
-  };
-  std::vector<Hand> hands_;
+  std::vector<int> held_;  // objects that a hand holds
   std::int64_t cycles_ = 0;
   State state_{};
 };

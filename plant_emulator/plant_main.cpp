@@ -112,7 +112,8 @@ int run(int argc, char** argv) {
   int exit_status = 0;
   const auto options = config::parse_process_options(
       argc, argv, "c3rt-plant",
-      "The simulated robot with its 1 kHz torque interface, the table and the balls.", exit_status);
+      "The simulated robot with its 1 kHz torque interface, the table and the objects.",
+      exit_status);
   if (!options) return exit_status;
   const wire::StopFlag stop;
   const config::Scenario scenario =
@@ -127,9 +128,9 @@ int run(int argc, char** argv) {
                                         said);
                           });
   Service service(bus, endpoint, scenario.plant, scenario.vision.rate, options->seed);
-  spdlog::info("start scenario={} clock={} session={} step_s={} balls={}", scenario.name,
+  spdlog::info("start scenario={} clock={} session={} step_s={} objects={}", scenario.name,
                lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
-               scenario.plant.world.balls.size());
+               scenario.plant.world.objects.size());
   const std::string failure = lockstep
                                   ? run_lockstep(bus, service, endpoint.status(), options->expect)
                                   : run_realtime(bus, service, endpoint.status());

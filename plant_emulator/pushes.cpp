@@ -7,19 +7,19 @@
 namespace c3rt::plant {
 namespace {
 
-// the start of the balls is drawn from the same seed and shall not be the same numbers
+// the start of the objects is drawn from the same seed and shall not be the same numbers
 constexpr std::uint64_t kStream = 0x9E3779B97F4A7C15;
 
 }  // namespace
 
-std::vector<Push> drawn_pushes(const PushParameters& parameters, int balls, std::uint64_t seed) {
+std::vector<Push> drawn_pushes(const PushParameters& parameters, int objects, std::uint64_t seed) {
   base::Random random(seed ^ kStream);
   const double piece = (parameters.until - parameters.from) / std::max(1, parameters.count);
   std::vector<Push> pushes;
   for (int i = 0; i < parameters.count; ++i) {
     Push push{};
     push.time = parameters.from + piece * (i + 0.5 * random.uniform());
-    push.ball = std::min(static_cast<int>(balls * random.uniform()), balls - 1);
+    push.object = std::min(static_cast<int>(objects * random.uniform()), objects - 1);
     const double size = parameters.impulse_min +
                         (parameters.impulse_max - parameters.impulse_min) * random.uniform();
     push.impulse << size * draw_direction(random), 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-// The hand that pushes the balls now and then: when, which and how hard, drawn from the seed.
+// The hand that pushes the objects now and then: when, which and how hard, drawn from the seed.
 #include <cstdint>
 #include <vector>
 
@@ -15,13 +15,13 @@ struct PushParameters {
 
 struct Push {
   double time;  // of the plant [s]
-  int ball;
+  int object;
   Eigen::Vector3d impulse;  // level [N s]
 };
 
 /// The time is cut into `count` equal pieces; each has its push at a random instant of its first
-/// half, so that at least half a piece is between two. Ball, direction and size are uniform.
+/// half, so that at least half a piece is between two. Object, direction and size are uniform.
 /// @return in order of time
-std::vector<Push> drawn_pushes(const PushParameters& parameters, int balls, std::uint64_t seed);
+std::vector<Push> drawn_pushes(const PushParameters& parameters, int objects, std::uint64_t seed);
 
 }  // namespace c3rt::plant

@@ -1,5 +1,6 @@
 #include "plant_emulator/scene.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -71,7 +72,7 @@ constexpr double kJointDamping = 0.003;  // same source [N m s/rad]
 
 constexpr double kFlangeOffset = 0.107;  // along z of link 7 [m]
 
-// Contacts as stiff as the step allows: 2 ms lets a ball sink 0.04 mm under its weight.
+// Contacts as stiff as the step allows: 2 ms lets a sphere sink 0.04 mm under its weight.
 constexpr const char* kContactStiffness = R"(solref="0.002 1" solimp="0.9 0.95 0.001 0.5 2")";
 
 // The arm's looks: capsules along its links, {link (0 = base), from, to, radius} in the link's
@@ -124,17 +125,21 @@ Eigen::Vector3d table_center(const World& world) {
   return {kTablePivot.x(), kTablePivot.y(), world.table_height};
 }
 
-Eigen::Quaterniond start_orientation(const World& world, const BallParameters& object) {
-  return table_orientation(world) * Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ());
+Eigen::Quaterniond orientation_on_level_table(const ObjectParameters& object) {
+  return Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(object.roll_pitch.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(object.roll_pitch.x(), Eigen::Vector3d::UnitX());
 }
 
-Eigen::Vector3d inertia_of(const BallParameters& object) {
-  if (!object.half_sizes)
-    return Eigen::Vector3d::Constant(0.4 * object.mass * object.radius * object.radius);
-  const Eigen::Vector3d squares = (2.0 * *object.half_sizes).cwiseAbs2();
-  return object.mass / 12.0 *
-         Eigen::Vector3d(squares.y() + squares.z(), squares.x() + squares.z(),
-                         squares.x() + squares.y());
+Eigen::Quaterniond start_orientation(const World& world, const ObjectParameters& object) {
+  return table_orientation(world) * orientation_on_level_table(object);
+}
+
+/// How far an object that is turned like that reaches against a direction in W from its centre of
+/// mass [m].
+double reach_against(const ObjectParameters& object, const Eigen::Quaterniond& q_WB,
+                     const Eigen::Vector3d& direction) noexcept {
+  return scene::reach(object.object.shape(), q_WB.conjugate() * -direction);
 }
 
 std::string capsules(int link) {
@@ -187,7 +192,7 @@ std::string link(int index, const SceneParameters& parameters) {
 
 std::string contact_pair(const std::string& a, const std::string& b, double friction,
                          double rolling) {
-  // condim 3: sliding friction only, so a ball rolls freely; 6 adds torsional and rolling
+  // condim 3: sliding friction only, so a sphere rolls freely; 6 adds torsional and rolling
   // resistance
   const bool resists = rolling > 0;
   const std::string f = join(friction);
@@ -195,6 +200,88 @@ std::string contact_pair(const std::string& a, const std::string& b, double fric
   return "<pair geom1=\"" + a + "\" geom2=\"" + b + "\" condim=\"" + (resists ? "6" : "3") +
          "\" friction=\"" + f + " " + f + (resists ? " " + r + " " + r + " " + r : "") + "\" " +
          kContactStiffness + "/>\n";
+}
+
+std::string geom(const scene::Part& part, const std::string& name, std::size_t object) {
+  std::string text = "<geom name=\"" + name + "\" type=\"";
+  switch (part.shape.kind) {
+    case scene::ShapeKind::kSphere:
+      text += "sphere\" size=\"" + join(part.shape.radius);
+      break;
+    case scene::ShapeKind::kBox:
+      text += "box\" size=\"" + join(part.shape.half_sizes);
+      break;
+    case scene::ShapeKind::kCapsule:
+      text += "capsule\" size=\"" +
+              join(std::array<double, 2>{part.shape.radius, part.shape.half_length});
+      break;
+    case scene::ShapeKind::kCylinder:
+      text += "cylinder\" size=\"" +
+              join(std::array<double, 2>{part.shape.radius, part.shape.half_length});
+      break;
+    default:
+      text += "mesh\" mesh=\"" + name;
+  }
+  text += "\"";
+  if (!part.p_BP.isZero(0.0)) text += " pos=\"" + join(part.p_BP) + "\"";
+  if (part.R_BP != Eigen::Matrix3d::Identity())
+    text += " quat=\"" + join(Eigen::Quaterniond(part.R_BP)) + "\"";
+  return text + " rgba=\"" + join(kObjectColours.at(object)) + " 1\"/>\n";
+}
+
+std::string inertia(const Eigen::Matrix3d& I) {
+  if (Eigen::Matrix3d(I.diagonal().asDiagonal()) == I)
+    return "diaginertia=\"" + join(Eigen::Vector3d(I.diagonal())) + "\"";
+  return "fullinertia=\"" +
+         join(std::array<double, 6>{I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}) + "\"";
+}
+
+std::string body(const World& world, std::size_t index) {
+  const ObjectParameters& object = world.objects[index];
+  const Eigen::Isometry3d start = object_start(world, index);
+  const std::string& name = object.object.name;
+  std::string text =
+      "<body name=\"" + name + "\" pos=\"" + join(Eigen::Vector3d(start.translation())) +
+      (is_sphere(object) ? "" : "\" quat=\"" + join(start_orientation(world, object))) +
+      "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" +
+      join(object.object.mass) + "\" " + inertia(object.object.inertia) + "/>\n";
+  const std::vector<scene::Part>& parts = object.object.parts->parts;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    text += geom(parts[k], geom_name(object.object, k), index);
+  return text + "</body>\n";
+}
+
+/// Those of an object with the table, the end effector and the objects before it.
+std::string pairs_of(const World& world, std::size_t index) {
+  const ObjectParameters& object = world.objects[index];
+  std::string pairs;
+  for (std::size_t k = 0; k < object.object.parts->parts.size(); ++k) {
+    const std::string name = geom_name(object.object, k);
+    pairs += contact_pair("table", name, object.friction_table, world.rolling_friction);
+    pairs += contact_pair("end_effector", name, object.friction_end_effector, 0);
+    for (std::size_t j = 0; j < index; ++j) {
+      const scene::Object& other = world.objects[j].object;
+      for (std::size_t l = 0; l < other.parts->parts.size(); ++l)
+        pairs += contact_pair(geom_name(other, l), name, world.friction.object_object, 0);
+    }
+  }
+  return pairs;
+}
+
+/// Of the objects' convex meshes: their corners.
+std::string mesh_assets(const World& world) {
+  std::string text;
+  for (const ObjectParameters& object : world.objects) {
+    const std::vector<scene::Part>& parts = object.object.parts->parts;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      if (parts[k].shape.kind != scene::ShapeKind::kConvexMesh) continue;
+      text += "<mesh name=\"" + geom_name(object.object, k) + "\" vertex=\"";
+      for (const Eigen::Vector3d& vertex : parts[k].shape.mesh->vertices())
+        text += join(vertex) + " ";
+      text += "\"/>\n";
+    }
+  }
+  return text;
 }
 
 std::string xml(const SceneParameters& parameters) {
@@ -224,12 +311,10 @@ std::string xml(const SceneParameters& parameters) {
   <default class="tool"><geom group="0" rgba="0.10 0.11 0.13 1"/></default>
 </default>
 )";
-  if (meshes) {
-    text += "<asset>\n";
-    for (int i = 0; i <= kJoints; ++i)
-      text += "<mesh file=\"link" + std::to_string(i) + ".stl\"/>\n";
-    text += "</asset>\n";
-  }
+  text += "<asset>\n" + mesh_assets(world);
+  for (int i = 0; meshes && i <= kJoints; ++i)
+    text += "<mesh file=\"link" + std::to_string(i) + ".stl\"/>\n";
+  text += "</asset>\n";
   text += R"(<worldbody>
 <light directional="true" castshadow="false" pos="0.5 0 3" dir="0.2 0.3 -1" ambient="0.45 0.45 0.45"
   diffuse="0.40 0.40 0.40" specular="0 0 0"/>
@@ -243,22 +328,9 @@ std::string xml(const SceneParameters& parameters) {
   text += capsules(0) + mesh(0, parameters) + link(0, parameters);
 
   std::string pairs;
-  for (std::size_t i = 0; i < world.balls.size(); ++i) {
-    const BallParameters& ball = world.balls[i];
-    const std::string name = object_name(world, static_cast<int>(i));
-    text += "<body name=\"" + name + "\" pos=\"" + join(ball_start(world, static_cast<int>(i))) +
-            (ball.half_sizes ? "\" quat=\"" + join(start_orientation(world, ball)) : "") +
-            "\">\n<freejoint name=\"" + name + "\"/>\n<inertial pos=\"0 0 0\" mass=\"" +
-            join(ball.mass) + "\" diaginertia=\"" + join(inertia_of(ball)) + "\"/>\n<geom name=\"" +
-            name + "\" type=\"" +
-            (ball.half_sizes ? "box\" size=\"" + join(*ball.half_sizes)
-                             : "sphere\" size=\"" + join(ball.radius)) +
-            "\" rgba=\"" + join(kBallColours.at(i)) + " 1\"/>\n</body>\n";
-    pairs += contact_pair("table", name, world.friction.ball_table, world.rolling_friction);
-    pairs += contact_pair("end_effector", name, world.friction.ball_end_effector, 0);
-    for (std::size_t j = 0; j < i; ++j)
-      pairs +=
-          contact_pair(object_name(world, static_cast<int>(j)), name, world.friction.ball_ball, 0);
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    text += body(world, i);
+    pairs += pairs_of(world, i);
   }
   pairs += contact_pair("table", "end_effector", world.friction.end_effector_table, 0);
 
@@ -286,41 +358,66 @@ void write_inertia(mjModel& model, const std::string& name, const Inertia& i) {
 void check(const SceneParameters& p) {
   const World& w = p.world;
   require(w.step > 0 && w.step <= 1e-3, "step must be in (0, 0.001] s");
-  require(!w.balls.empty() && w.balls.size() <= kMaxBalls, "1 to 4 balls");
+  require(!w.objects.empty() && w.objects.size() <= scene::kMaxBodies,
+          "1 to " + std::to_string(scene::kMaxBodies) + " objects");
   require(w.table_tilt.allFinite() && w.table_tilt.cwiseAbs().maxCoeff() < 0.5,
           "table_tilt must be below 0.5 rad");
   require(std::isfinite(w.table_height), "table_height must be finite");
-  for (const double mu : {w.friction.ball_table, w.friction.ball_end_effector, w.friction.ball_ball,
-                          w.friction.end_effector_table})
+  const auto require_friction = [](double mu) {
     require(mu > 0 && mu < 10, "friction must be in (0, 10)");
+  };
+  require_friction(w.friction.object_object);
+  require_friction(w.friction.end_effector_table);
   require(w.rolling_friction >= 0 && w.rolling_friction < 0.01,
           "rolling_friction must be in [0, 0.01) m");
   const EndEffector& e = w.end_effector;
   require(e.mass > 0 && e.inertia_xx > 0 && e.inertia_zz > 0 && e.sphere_radius > 0,
           "the end effector needs a mass, inertias and a radius");
-  for (const BallParameters& b : w.balls)
-    require((b.half_sizes ? b.half_sizes->minCoeff() > 0 : b.radius > 0) && b.mass > 0 &&
-                b.position.allFinite() && std::isfinite(b.yaw),
+  for (const ObjectParameters& o : w.objects) {
+    require_friction(o.friction_table);
+    require_friction(o.friction_end_effector);
+    require(o.object.parts && !o.object.parts->parts.empty() && o.object.mass > 0 &&
+                reach_against(o, Eigen::Quaterniond::Identity(), Eigen::Vector3d::UnitZ()) > 0 &&
+                o.position.allFinite() && std::isfinite(o.yaw) && o.roll_pitch.allFinite(),
             "an object needs a size, a mass and a position");
+  }
   require(p.offscreen_width > 0 && p.offscreen_height > 0 && p.offscreen_samples >= 0,
           "offscreen size must be > 0");
 }
 
 }  // namespace
 
-std::string object_name(const World& world, int index) {
-  const bool box = world.balls.at(static_cast<std::size_t>(index)).half_sizes.has_value();
-  return (box ? "box" : "ball") + std::to_string(index);
+std::string geom_name(const scene::Object& object, std::size_t part) {
+  return object.parts->parts.size() == 1 ? object.name : object.name + "_" + std::to_string(part);
 }
 
-Eigen::Vector3d ball_start(const World& world, int index) {
-  const BallParameters& ball = world.balls.at(static_cast<std::size_t>(index));
+bool is_free_name(const World& world, const std::string& name) {
+  for (const char* taken : {"world", "table", "end_effector"})
+    if (name == taken) return false;
+  for (int i = 1; i <= kJoints; ++i)
+    if (name == "link" + std::to_string(i) || name == "joint" + std::to_string(i)) return false;
+  return std::none_of(world.objects.begin(), world.objects.end(),
+                      [&](const ObjectParameters& other) { return other.object.name == name; });
+}
+
+bool is_sphere(const ObjectParameters& object) noexcept {
+  return object.object.shape().kind == scene::ShapeKind::kSphere;
+}
+
+double start_height(const ObjectParameters& object) noexcept {
+  return reach_against(object, orientation_on_level_table(object), Eigen::Vector3d::UnitZ());
+}
+
+Eigen::Isometry3d object_start(const World& world, std::size_t index) {
+  const ObjectParameters& object = world.objects.at(index);
   const Eigen::Vector3d n = table_orientation(world) * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector2d offset = ball.position - kTablePivot;
+  const Eigen::Vector2d offset = object.position - kTablePivot;
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  if (!is_sphere(object)) X_WB = start_orientation(world, object);
   // n . (p - table_center) = height above the table
-  const double height = ball.half_sizes ? ball.half_sizes->z() : ball.radius;
-  return {ball.position.x(), ball.position.y(),
-          world.table_height + (height - n.head<2>().dot(offset)) / n.z()};
+  X_WB.translation() << object.position,
+      world.table_height + (start_height(object) - n.head<2>().dot(offset)) / n.z();
+  return X_WB;
 }
 
 std::string installed_mesh_directory() {

@@ -1,5 +1,6 @@
 #pragma once
-// The MuJoCo model of robot, table and balls; the plant steps it and the virtual cameras render it.
+// The MuJoCo model of robot, table and objects; the plant steps it and the virtual cameras render
+// it.
 #include <array>
 #include <memory>
 #include <optional>
@@ -10,40 +11,48 @@
 #include <Eigen/Geometry>
 #include <mujoco/mujoco.h>
 
+#include "controller/scene/object.hpp"
+#include "controller/scene/scene.hpp"
+
 namespace c3rt::plant {
 
 constexpr int kJoints = 7;
-constexpr int kMaxBalls = 4;
 
 /// Visual groups of the geoms (mjvOption.geomgroup). Render kGroupWorld and one of the arm's two
 /// looks.
 enum GeomGroup {
-  kGroupWorld = 0,          // table, balls, end effector
+  kGroupWorld = 0,          // table, objects, end effector
   kGroupArmPrimitives = 1,  // the arm as capsules: cheap
   kGroupArmMeshes = 2,      // the arm as meshes; empty without SceneParameters::mesh_directory
 };
 
-/// Colour of each ball, red green blue: far apart in hue, so that a camera can tell them apart.
-inline const std::array<Eigen::Vector3d, kMaxBalls> kBallColours{
+/// Colour of each object, red green blue: far apart in hue, so that a camera can tell them apart.
+inline const std::array<Eigen::Vector3d, scene::kMaxBodies> kObjectColours{
     Eigen::Vector3d{1.00, 0.36, 0.06}, Eigen::Vector3d{0.05, 0.35, 0.95},
-    Eigen::Vector3d{0.10, 0.75, 0.15}, Eigen::Vector3d{0.85, 0.10, 0.75}};
+    Eigen::Vector3d{0.10, 0.75, 0.15}, Eigen::Vector3d{0.85, 0.10, 0.75},
+    Eigen::Vector3d{0.05, 0.90, 0.80}, Eigen::Vector3d{0.45, 0.10, 0.95},
+    Eigen::Vector3d{0.78, 0.95, 0.05}, Eigen::Vector3d{1.00, 0.05, 0.29}};
 
-struct BallParameters {
-  Eigen::Vector2d position;   // of the centre, seen from above, at the start [m]
-  double radius;              // [m]
-  double mass;                // [kg]; the inertia is that of a solid sphere
-  bool held = false;          // a hand holds it where it starts until the end effector touches it
-  double start_spread = 0.0;  // `position` is within this of where the scenario says, by seed [m]
-  // a box of even density instead, lying on the table; its radius is 0
-  std::optional<Eigen::Vector3d> half_sizes = {};  // [m]
-  double yaw = 0.0;                                // of a box, at the start [rad]
+/// An object and how it starts: it lies on the table.
+struct ObjectParameters {
+  scene::Object object;
+  Eigen::Vector2d position;  // of its centre of mass, seen from above [m]
+  double yaw = 0.0;          // about the table's normal, after roll and pitch [rad]
+  Eigen::Vector2d roll_pitch = Eigen::Vector2d::Zero();  // which side is down [rad]
+  bool held = false;  // a hand holds it where it starts until the end effector touches it
+  // what the seed draws, about the pose above
+  double start_spread = 0.0;                                  // on a disc of this radius [m], or
+  Eigen::Vector2d start_spread_xy = Eigen::Vector2d::Zero();  // this far along x and y [m]
+  double yaw_spread = 0.0;                                    // either way [rad]
+  // Coulomb friction coefficients with ...
+  double friction_table = 1.0;
+  double friction_end_effector = 1.0;
 };
 
-/// Coulomb friction coefficients, by pair.
+/// Coulomb friction coefficients, by pair; those of an object with table and end effector are its
+/// own.
 struct Friction {
-  double ball_table;
-  double ball_end_effector;
-  double ball_ball;
+  double object_object;
   double end_effector_table;
 };
 
@@ -65,9 +74,10 @@ struct World {
   double rolling_friction;  // lever of the rolling resistance, 0 for none [m]
   double step;              // of the integration [s]
   EndEffector end_effector;
-  std::vector<BallParameters> balls;
+  std::vector<ObjectParameters> objects;
   bool tilt_drawn = false;  // table_tilt's direction is the seed's, its size the scenario's
-  // if there, both of the ball's coefficients are drawn between these from the seed
+  // if there, the objects' coefficients with table and end effector are drawn between these from
+  // the seed
   std::optional<Eigen::Vector2d> friction_drawn;
 };
 
@@ -105,18 +115,28 @@ using Data = std::unique_ptr<mjData, DataDeleter>;
 /// @throws std::runtime_error with MuJoCo's words
 Model compile_model(const std::string& mjcf);
 
-/// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then one free joint per ball), bodies
-/// link1..link7, end_effector, table, ball0.., site end_effector at the centre of its sphere,
+/// Names: joints joint1..joint7 (qpos 0..6 and qvel 0..6, then the free joint of each object, whose
+/// frame is in its centre of mass), bodies link1..link7, end_effector, table and those of the
+/// objects, whose geoms are named by geom_name, site end_effector at the centre of its sphere,
 /// cameras as given.
 /// @throws std::invalid_argument for parameters out of range, std::runtime_error with MuJoCo's
 /// words otherwise
 Model build_model(const SceneParameters& parameters);
 
-/// "ball0", "box1": of its body, joint and geom.
-std::string object_name(const World& world, int index);
+/// Of a part of an object: the object's own name where it has but one.
+std::string geom_name(const scene::Object& object, std::size_t part);
 
-/// Centre of ball `index` when it touches the table at its start position. [m]
-Eigen::Vector3d ball_start(const World& world, int index);
+/// Whether an object may be called so beside the names that the scene has already.
+bool is_free_name(const World& world, const std::string& name);
+
+/// A sphere looks the same however it lies, and rolls.
+bool is_sphere(const ObjectParameters& object) noexcept;
+
+/// How high its centre of mass is above a level table [m].
+double start_height(const ObjectParameters& object) noexcept;
+
+/// The pose of object `index` when it touches the table at its start.
+Eigen::Isometry3d object_start(const World& world, std::size_t index);
 
 /// Folder of the arm's meshes that the set-up installed, or empty if they are not there.
 std::string installed_mesh_directory();

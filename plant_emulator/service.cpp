@@ -27,7 +27,7 @@ void stall(double duration) noexcept {
 Order order_of(const wire::FaultInject& fault) {
   Order order{OrderKind::kEndFaults, static_cast<int>(fault.index), fault.duration_s,
               Eigen::Map<const Eigen::Vector3d>(fault.value)};
-  if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) order.kind = OrderKind::kPushBall;
+  if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) order.kind = OrderKind::kPushObject;
   if (fault.kind == c3rt_v2_FAULT_DROP_COMMANDS) order.kind = OrderKind::kDropCommands;
   if (fault.kind == c3rt_v2_FAULT_STALL) order.kind = OrderKind::kStall;
   if (fault.kind == c3rt_v2_FAULT_NAN) order.kind = OrderKind::kNan;
@@ -38,8 +38,8 @@ Order order_of(const wire::FaultInject& fault) {
 
 wire::FaultScope fault_scope(const Parameters& parameters) {
   wire::FaultScope scope;
-  for (const BallParameters& ball : parameters.world.balls)
-    scope.object_masses.push_back(ball.mass);
+  for (const ObjectParameters& object : parameters.world.objects)
+    scope.object_masses.push_back(object.object.mass);
   return scope;
 }
 

@@ -8,8 +8,8 @@ namespace c3rt::plant {
 
 namespace {
 
-// the balls' starts are drawn from the same seed and shall not be the same numbers
-constexpr std::uint64_t kTableStream = 0xD1B54A32D192ED03;
+// the objects' places are drawn from the same seed and shall not be the same numbers
+constexpr std::uint64_t kTableStream = 0xD1B54A32D192ED03, kYawStream = 0x8CB92BA72F3D8DD7;
 
 }  // namespace
 
@@ -21,18 +21,27 @@ World drawn_table(World world, std::uint64_t seed) {
   const double table = random.uniform(), end_effector = random.uniform();
   if (world.friction_drawn) {
     const double least = world.friction_drawn->x(), most = world.friction_drawn->y();
-    world.friction.ball_table = least + (most - least) * table;
-    world.friction.ball_end_effector = least + (most - least) * end_effector;
+    for (ObjectParameters& object : world.objects) {
+      object.friction_table = least + (most - least) * table;
+      object.friction_end_effector = least + (most - least) * end_effector;
+    }
   }
   return world;
 }
 
 Parameters drawn_start(Parameters parameters, std::uint64_t seed) {
   parameters.world = drawn_table(parameters.world, seed);
-  base::Random random(seed);
-  for (BallParameters& ball : parameters.world.balls) {
-    const double distance = ball.start_spread * std::sqrt(random.uniform());
-    ball.position += distance * draw_direction(random);
+  base::Random random(seed), yaw(seed ^ kYawStream);
+  for (ObjectParameters& object : parameters.world.objects) {
+    if (object.start_spread_xy.isZero(0.0)) {
+      const double distance = object.start_spread * std::sqrt(random.uniform());
+      object.position += distance * draw_direction(random);
+    } else {
+      const double x = random.uniform(), y = random.uniform();
+      object.position +=
+          object.start_spread_xy.cwiseProduct(Eigen::Vector2d(2.0 * x - 1.0, 2.0 * y - 1.0));
+    }
+    object.yaw += object.yaw_spread * (2.0 * yaw.uniform() - 1.0);
   }
   return parameters;
 }

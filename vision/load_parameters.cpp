@@ -78,6 +78,12 @@ Parameters load_parameters(config::Section section) {
     p.emulated.noise = emulated.number("noise_m", {0, 0.1});
     p.emulated.clip = emulated.number("clip_m", {0, 0.1});
     p.emulated.angle_noise = emulated.number("angle_noise_rad", {0, 1}, 0.0);
+    p.emulated.drift = emulated.number("drift_m", {0, 0.1}, 0.0);
+    p.emulated.angle_drift = emulated.number("angle_drift_rad", {0, 1}, 0.0);
+    const bool drifts = p.emulated.drift > 0 || p.emulated.angle_drift > 0;
+    if (emulated.given("drift_time_s", drifts, "an error that drifts"))
+      p.emulated.drift_time = emulated.number("drift_time_s", {0.01, 1000});
+    p.emulated.delay = emulated.number("delay_s", {0, 1}, 0.0);
   }
   p.estimator = load_filter(section.section("filter"));
   if (section.has("acceleration_filter"))

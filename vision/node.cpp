@@ -142,10 +142,10 @@ void Node::tell(std::size_t index, const Estimate& before, const Estimate& now) 
     if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
   }
   degraded_ = !lost.empty();
-  text_ = degraded_                 ? "lost ball " + lost
-          : estimators_.size() == 1 ? "tracks the ball"
-                                    : "tracks the balls";
-  output_.events.push_back("ball=" + std::to_string(index) + (now.valid ? " found" : " lost"));
+  text_ = degraded_                 ? "lost object " + lost
+          : estimators_.size() == 1 ? "tracks the object"
+                                    : "tracks the objects";
+  output_.events.push_back("object=" + std::to_string(index) + (now.valid ? " found" : " lost"));
 }
 
 }  // namespace c3rt::vision

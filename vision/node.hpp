@@ -17,7 +17,7 @@ namespace c3rt::vision {
 /// What there is to know of an object before it is seen.
 struct ObjectStart {
   std::string name;              // as in the plant's model
-  std::optional<double> radius;  // of a ball, which rolls; none: its orientation is measured [m]
+  std::optional<double> radius;  // of a sphere, which rolls; none: its orientation is measured [m]
   Eigen::Vector3d p_WB;
   double touched_within = 0.0;  // of centre and the end effector's: then their surfaces touch [m]
 };

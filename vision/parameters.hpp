@@ -28,7 +28,12 @@ enum class ObjectColours {
 struct EmulatedParameters {
   double noise;              // standard deviation on x and y [m]
   double clip;               // the noise of one axis never exceeds this [m]
-  double angle_noise = 0.0;  // of an orientation, about z; a ball's does not show [rad]
+  double angle_noise = 0.0;  // of an orientation, about z; a sphere's does not show [rad]
+  // error that stays a while (Ornstein-Uhlenbeck): standard deviation on x and y, and about z
+  double drift = 0.0;        // [m]
+  double angle_drift = 0.0;  // [rad]
+  double drift_time = 1.0;   // after which 1/e of it is left [s]
+  double delay = 0.0;        // a pose is this much older than its exposure says [s]
 };
 
 struct CameraParameters {

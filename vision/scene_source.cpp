@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 
@@ -18,23 +19,33 @@ class EmulatedSource : public SceneSource {
  public:
   EmulatedSource(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
                  const Parameters& parameters, std::uint64_t seed)
-      : SceneSource(bus, endpoint, static_cast<int>(world.balls.size())),
+      : SceneSource(bus, endpoint, static_cast<int>(world.objects.size())),
         sensor_(parameters.emulated, seed) {
-    for (const plant::BallParameters& object : world.balls)
-      turned_.push_back(object.half_sizes.has_value());
+    for (const plant::ObjectParameters& object : world.objects)
+      turned_.push_back(!plant::is_sphere(object));
   }
 
   void freeze(int, std::int64_t) override {}
 
  private:
+  void pass(const wire::Scene& scene) override {
+    std::vector<BodyPose> poses(turned_.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      poses[i].p_WB = wire::vector(scene.objects[i].p_WB_m);
+      if (turned_[i]) poses[i].q_WB = wire::quaternion(scene.objects[i].q_WB);
+    }
+    sensor_.see(scene.header.time_ns, std::move(poses));
+  }
+
   std::vector<Observation> look(const wire::Scene& scene,
                                 const std::vector<Prediction>& predictions) override {
     std::vector<Observation> seen(predictions.size());
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      const Eigen::Vector3d truth = wire::vector(scene.objects[i].p_WB_m);
-      seen[i].measurement = {scene.header.time_ns, truth.norm() < kRange_m, sensor_.measure(truth)};
-      if (turned_[i])
-        seen[i].measurement.q_WB = sensor_.measure(wire::quaternion(scene.objects[i].q_WB));
+      const std::int64_t exposure_ns = scene.header.time_ns;
+      const bool in_range = wire::vector(scene.objects[i].p_WB_m).norm() < kRange_m;
+      const BodyPose pose = sensor_.measure(i, exposure_ns, turned_[i]);
+      seen[i].measurement = {exposure_ns, in_range, pose.p_WB};
+      if (turned_[i]) seen[i].measurement.q_WB = pose.q_WB;
       seen[i].cameras_used = 1;
     }
     return seen;
@@ -49,7 +60,7 @@ class CameraSource : public SceneSource {
  public:
   CameraSource(wire::Bus& bus, wire::Endpoint& endpoint, const plant::World& world,
                const Parameters& parameters, std::uint64_t seed)
-      : SceneSource(bus, endpoint, static_cast<int>(world.balls.size())),
+      : SceneSource(bus, endpoint, static_cast<int>(world.objects.size())),
         rig_(plant::drawn_table(world, seed), parameters, seed) {
     // one thread is faster than two that wait for each other on images this small
     cv::setNumThreads(1);
@@ -58,12 +69,12 @@ class CameraSource : public SceneSource {
       faulty_.push_back(std::make_unique<FaultyCamera>(*camera));
       cameras.push_back(faulty_.back().get());
     }
-    std::vector<SphereModel> balls;
-    for (std::size_t i = 0; i < world.balls.size(); ++i) {
-      const double radius = world.balls[i].radius;
-      balls.push_back({radius, world.table_height + radius, plant::kBallColours.at(i)});
+    std::vector<SphereModel> spheres;
+    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+      const double radius = world.objects[i].object.shape().radius;
+      spheres.push_back({radius, world.table_height + radius, plant::kObjectColours.at(i)});
     }
-    tracker_ = std::make_unique<Tracker>(parameters, balls, cameras);
+    tracker_ = std::make_unique<Tracker>(parameters, spheres, cameras);
   }
 
   void freeze(int camera, std::int64_t until_ns) override {
@@ -109,14 +120,15 @@ SceneSource::SceneSource(wire::Bus& bus, wire::Endpoint& endpoint, int objects)
     : endpoint_(endpoint),
       objects_(objects),
       scenes_(bus),
-      foreign_scenes_(endpoint.status().counter("scenes_of_other_balls")) {}
+      foreign_scenes_(endpoint.status().counter("scenes_of_other_objects")) {}
 
 std::optional<std::int64_t> SceneSource::exposed() {
   bool any = false;
   wire::Scene scene{};
   while (scenes_.take(scene)) {
-    if (!scene.exposure) continue;
     if (scene.object_count == objects_) {
+      pass(scene);
+      if (!scene.exposure) continue;
       any = true;
       newest_ = scene;
     } else if (foreign_scenes_++ == 0) {
@@ -140,14 +152,13 @@ std::unique_ptr<Source> make_scene_source(wire::Bus& bus, wire::Endpoint& endpoi
 
 std::vector<ObjectStart> starts_of(const plant::World& world) {
   std::vector<ObjectStart> objects;
-  for (std::size_t i = 0; i < world.balls.size(); ++i) {
-    const plant::BallParameters& ball = world.balls[i];
-    // named as in the plant's model; vision knows the table as level
-    const double height = ball.half_sizes ? ball.half_sizes->z() : ball.radius;
-    objects.push_back({plant::object_name(world, static_cast<int>(i)),
-                       ball.half_sizes ? std::nullopt : std::optional<double>(ball.radius),
-                       {ball.position.x(), ball.position.y(), world.table_height + height},
-                       ball.radius + world.end_effector.sphere_radius});
+  for (const plant::ObjectParameters& object : world.objects) {
+    const bool rolls = plant::is_sphere(object);
+    objects.push_back({object.object.name,
+                       rolls ? std::optional<double>(object.object.shape().radius) : std::nullopt,
+                       {object.position.x(), object.position.y(),
+                        world.table_height + plant::start_height(object)},
+                       object.object.shape().radius + world.end_effector.sphere_radius});
   }
   return objects;
 }

@@ -25,6 +25,8 @@ class SceneSource : public Source {
   }
 
  private:
+  /// Any scene with the right objects, at an exposure or between two.
+  virtual void pass(const wire::Scene&) {}
   virtual std::vector<Observation> look(const wire::Scene& scene,
                                         const std::vector<Prediction>& predictions) = 0;
 

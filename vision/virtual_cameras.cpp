@@ -17,7 +17,7 @@ namespace c3rt::vision {
 namespace {
 
 constexpr float kNear = 0.05F, kFar = 10.0F;  // [m]
-constexpr int kMaxGeoms = 200;
+constexpr int kMaxGeoms = 400;
 
 struct OsMesaDeleter {
   void operator()(osmesa_context* context) const noexcept { OSMesaDestroyContext(context); }
@@ -163,11 +163,11 @@ struct VirtualCameras::Implementation {
   }
 
   void paint_all_alike() {
-    for (std::size_t ball = 0; 7 * ball < static_cast<std::size_t>(model->nq - plant::kJoints);
-         ++ball) {
-      const int geom = mj_name2id(model.get(), mjOBJ_GEOM, ("ball" + std::to_string(ball)).c_str());
+    for (int geom = 0; geom < model->ngeom; ++geom) {
+      const int joint = model->body_jntadr[model->geom_bodyid[geom]];
+      if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE) continue;
       Eigen::Map<Eigen::Vector3f>(model->geom_rgba + 4 * geom) =
-          plant::kBallColours[0].cast<float>();
+          plant::kObjectColours[0].cast<float>();
     }
   }
 
@@ -180,7 +180,7 @@ struct VirtualCameras::Implementation {
   void expose(const ScenePose& pose) {
     if (static_cast<int>(7 * pose.X_WB.size()) != model->nq - plant::kJoints) {
       throw std::invalid_argument(
-          "virtual cameras: the scene has another number of balls than the scenario");
+          "virtual cameras: the scene has another number of objects than the scenario");
     }
     exposure_ns = pose.exposure_ns;
     std::copy(pose.q.begin(), pose.q.end(), data->qpos);

@@ -18,7 +18,7 @@ namespace c3rt::vision {
 struct ScenePose {
   std::int64_t exposure_ns = 0;
   std::array<double, plant::kJoints> q{};  // [rad]
-  std::vector<Eigen::Isometry3d> X_WB;     // of every ball of the world
+  std::vector<Eigen::Isometry3d> X_WB;     // of every object of the world
 };
 
 /// All cameras of the scenario on one rasteriser, which belongs to the thread that made it.

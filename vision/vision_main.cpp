@@ -46,7 +46,7 @@ int run(int argc, char** argv) {
   int exit_status = 0;
   const auto options = config::parse_process_options(
       argc, argv, "c3rt-vision",
-      "Three virtual cameras, or an emulated sensor: the balls' positions, velocities and spin.",
+      "Three virtual cameras, or an emulated sensor: the objects' poses and velocities.",
       exit_status);
   if (!options) return exit_status;
   const wire::StopFlag stop;

@@ -57,7 +57,8 @@ ordered_json to_json(const ExcursionFigures& figures) {
   }
   for (const PushFigures& p : figures.pushes) {
     pushes.push_back({{"time_s", number(p.push.time)},
-                      {"ball", p.push.ball},
+                      {"ball", p.push.object},  // the name that clients know
+                      {"object", p.push.object},
                       {"impulse_n_s", {p.push.impulse.x(), p.push.impulse.y()}},
                       {"out_of_band_s", number(p.out_of_band)},
                       {"largest_m", number(p.largest)},
@@ -166,12 +167,12 @@ std::string summary(const Report& report) {
     line(words_of(name).c_str(), std::isfinite(value) ? fmt::format("{:.4g}", value) : "-");
   for (const ObjectFigures& object : figures.objects) line("object to path", shown(object));
   if (const std::string out = shown(figures.out_of_band); !out.empty()) line("out of 2 cm", out);
-  if (figures.unit == "balls") {
-    for (const ObjectFigures& object : figures.objects)
-      line("object past the end",
-           fmt::format("after {} s, {} mm beside the line; at the end {} mm",
-                       shown(object.arrived_after, 1, 1), shown(object.arrival_error, kMilli, 1),
-                       shown(object.end_error, kMilli, 1)));
+  for (const ObjectFigures& object : figures.objects) {
+    if (!std::isfinite(object.end_error)) continue;  // of a task without an end
+    line("object past the end",
+         fmt::format("after {} s, {} mm beside the line; at the end {} mm",
+                     shown(object.arrived_after, 1, 1), shown(object.arrival_error, kMilli, 1),
+                     shown(object.end_error, kMilli, 1)));
   }
   for (const auto& [name, reading] : figures.readings) line(words_of(name).c_str(), shown(reading));
   line("end effector error", shown(figures.tracking_error, kMilli, 2) + " mm");

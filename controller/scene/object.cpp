@@ -3,9 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 namespace c3rt::scene {
+namespace {
+
+Eigen::Vector3d inertia_of(const Shape& shape, double mass) {
+  const double r = shape.radius, length = 2.0 * shape.half_length;
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return Eigen::Vector3d::Constant(0.4 * mass * r * r);
+    case ShapeKind::kBox: {
+      const Eigen::Vector3d squares = (2.0 * shape.half_sizes).cwiseAbs2();
+      return mass / 12.0 *
+             Eigen::Vector3d(squares.y() + squares.z(), squares.x() + squares.z(),
+                             squares.x() + squares.y());
+    }
+    case ShapeKind::kCapsule: {
+      // the two half spheres share the mass with the straight part by volume
+      const double ends = mass / (1.0 + 0.75 * length / r), straight = mass - ends;
+      const double across = straight * (0.25 * r * r + length * length / 12.0) +
+                            ends * (0.4 * r * r + 0.25 * length * length + 0.375 * length * r);
+      return {across, across, 0.5 * straight * r * r + 0.4 * ends * r * r};
+    }
+    case ShapeKind::kCylinder: {
+      const double across = mass * (0.25 * r * r + length * length / 12.0);
+      return {across, across, 0.5 * mass * r * r};
+    }
+    default:
+      throw std::invalid_argument(
+          "solid: expected a sphere, box, capsule or cylinder, got a mesh or a union");
+  }
+}
+
+}  // namespace
 
 Shape Object::shape() const noexcept {
   const Part& first = parts->parts.front();
@@ -41,6 +73,13 @@ Object scaled(const Object& object, double mass, double size) {
   }
   result.parts = std::make_shared<const Union>(std::move(parts));
   return result;
+}
+
+Object solid(std::string name, const Shape& shape, double mass, double friction) {
+  Union parts;
+  parts.parts.push_back({shape});
+  return make_object(std::move(name), mass, inertia_of(shape, mass).asDiagonal(), friction,
+                     std::move(parts));
 }
 
 double reach(const Shape& shape, const Eigen::Vector3d& direction) noexcept {

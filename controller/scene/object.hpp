@@ -27,6 +27,10 @@ Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia
 /// The same of another mass and size, of one density in itself as before.
 Object scaled(const Object& object, double mass, double size);
 
+/// One shape of even density. @throws std::invalid_argument for a convex mesh or a union, whose
+/// inertia is not known here
+Object solid(std::string name, const Shape& shape, double mass, double friction = 1.0);
+
 /// How far along a direction a shape reaches from the origin of its frame [m]. A direction of
 /// length 1 in that frame.
 double reach(const Shape& shape, const Eigen::Vector3d& direction) noexcept;

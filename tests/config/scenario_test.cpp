@@ -77,7 +77,7 @@ TEST_CASE("scenario: every shipped file can be loaded, and is named as its file"
     CHECK_FALSE(scenario.description.empty());
     CHECK(std::string(scenario.task.motion.kind()) == scenario.planner.task.kind());
     CHECK_FALSE(scenario.criteria.empty());
-    CHECK_FALSE(scenario.plant.world.balls.empty());
+    CHECK_FALSE(scenario.plant.world.objects.empty());
     ++scenarios;
   }
   CHECK(scenarios >= 21);
@@ -100,7 +100,7 @@ TEST_CASE(
     const c3rt::config::Scenario scenario = load_scenario(kFolder + name + ".yaml");
     CHECK(scenario.name == name);
     const auto& path = *scenario.task.motion.as<c3rt::task::Path>();
-    const Eigen::Vector2d ball = scenario.plant.world.balls.at(0).position;
+    const Eigen::Vector2d ball = scenario.plant.world.objects.at(0).position;
     CHECK((ball - path.points.front()).norm() < 1e-9);
     for (std::size_t i = 0; i < path.points.size(); ++i) {
       const Eigen::Vector2d& next = path.points[(i + 1) % path.points.size()];
@@ -234,6 +234,23 @@ std::string error_with(const std::string& base, const std::string& changes,
 
 }  // namespace
 
+TEST_CASE("scenario: cameras are refused with an object that they cannot track, by its name") {
+  const auto error = [](const std::string& base, const std::string& objects) {
+    return error_with(base, "plant: {objects: [" + objects + "]}\nvision: {source: cameras}\n");
+  };
+  const std::string ball =
+      "{shape: sphere, position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.1}";
+  CHECK(error("circle_slow", ball) == "no error");
+  CHECK_THAT(
+      error("push_box",
+            "{mjcf: ../objects/t.xml, name: tee, position_m: [0.5, 0], friction_table: 0.3}"),
+      Contains("vision.source") && Contains("\"tee\"") && Contains("spheres"));
+  CHECK_THAT(error("push_box",
+                   "{shape: box, position_m: [0.5, 0], half_sizes_m: [0.05, 0.05, "
+                   "0.03], mass_kg: 0.5}"),
+             Contains("vision.source") && Contains("\"box0\""));
+}
+
 TEST_CASE("scenario: what extends a shipped one is checked as a whole, by the line of each value") {
   CHECK(error_with("circle_fast", "planner: {rate_hz: 100}\n") == "no error");
   CHECK_THAT(error_with("circle_fast", "planner:\n  horizon: 99\n"),
@@ -241,11 +258,12 @@ TEST_CASE("scenario: what extends a shipped one is checked as a whole, by the li
   CHECK_THAT(error_with("circle_fast", "planner:\n  horizn: 5\n"),
              Catch::StartsWith("own.yaml:5: planner.horizn: unknown key"));
   // the base is right for one ball, not for two
-  CHECK_THAT(error_with("circle_fast",
-                        "plant:\n  balls:\n"
-                        "    - {position_m: [0.55, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"
-                        "    - {position_m: [0.45, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"),
-             Contains("circle_slow.yaml:") && Contains("planner.model.friction_balls: missing"));
+  CHECK_THAT(
+      error_with("circle_fast",
+                 "plant:\n  objects:\n"
+                 "    - {shape: sphere, position_m: [0.55, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"
+                 "    - {shape: sphere, position_m: [0.45, 0.1], radius_m: 0.03, mass_kg: 0.1}\n"),
+      Contains("circle_slow.yaml:") && Contains("planner.model.friction_balls: missing"));
   // a key of the base that the file's choice has no use for
   CHECK_THAT(error_with("circle_fast",
                         "task: {kind: line, x_m: 0.55, step_m: -0.01, y_end_m: -0.1, "

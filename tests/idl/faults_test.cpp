@@ -42,11 +42,12 @@ TEST_CASE("faults: a push is of finite numbers, on a ball that is there, and no 
     CHECK_FALSE(refusal(push(0.0, 0.0, bad), kScope).empty());
   }
   CHECK_THAT(refusal(push(1e300, 1e300, 0.0), kScope), Contains("expected an impulse"));
-  CHECK_THAT(refusal(push(0.5, 0.0, 0.0), kScope),
-             Contains("expected an impulse of at most 0.396 N s, which gives ball 0 of 0.132 kg 3 "
-                      "m/s, got 0.5"));
+  CHECK_THAT(
+      refusal(push(0.5, 0.0, 0.0), kScope),
+      Contains("expected an impulse of at most 0.396 N s, which gives object 0 of 0.132 kg 3 "
+               "m/s, got 0.5"));
   CHECK_THAT(refusal(push(0.01, 0.0, 0.0, 3), kScope),
-             Contains("expected a ball from 0 to 1, got 3"));
+             Contains("expected an object from 0 to 1, got 3"));
   CHECK_THAT(refusal(push(0.01, 0.0, 0.0, -1), kScope), Contains("got -1"));
 }
 

@@ -58,10 +58,10 @@ TEST_CASE("plant node: faults act for as long as was asked, and are counted") {
   CHECK(std::isnan(node.step(2 * kCycleNs, nullptr).state.q_rad[0]));
   CHECK(std::isnan(node.step(3 * kCycleNs, nullptr).state.q_rad[0]));
   CHECK(std::isfinite(node.step(4 * kCycleNs, nullptr).state.q_rad[0]));
-  node.obey({OrderKind::kPushBall, 0, 0.0, Eigen::Vector3d(0.132, 0.0, 0.0)});
+  node.obey({OrderKind::kPushObject, 0, 0.0, Eigen::Vector3d(0.132, 0.0, 0.0)});
   node.step(5 * kCycleNs, nullptr);
   // 0.132 N s on a ball of 0.132 kg: 1 m/s where it slides, 5/7 of that where it rolls at once
-  const double v = node.plant().state().balls[0].v_WB.x();
+  const double v = node.plant().state().objects[0].v_WB.x();
   CHECK(v < 1.0);
   CHECK(v > 5.0 / 7.0);
   CHECK(node.counters().faults == 2);

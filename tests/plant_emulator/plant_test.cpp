@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "controller/mjcf/object.hpp"
 #include "tests/plant_emulator/parameters.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -43,7 +44,7 @@ TEST_CASE("the tool hangs above the table where the paper's start pose puts it")
 TEST_CASE("a resting ball sinks less than 0.1 mm into the table") {
   Plant plant(test_parameters());
   run(plant, 2000);
-  const scene::Body& ball = plant.state().balls[0];
+  const scene::Body& ball = plant.state().objects[0];
   const double depth = 0.0315 - (ball.p_WB.z() + 0.0245);
   CAPTURE(depth);
   CHECK(depth > 0);
@@ -60,12 +61,12 @@ TEST_CASE(
   // an impulse through the centre: friction turns part of it into spin, rolling starts at 5/7 of
   // the speed
   const double impulse = 0.132 * 0.1 * 7.0 / 5.0;
-  plant.push_ball(0, {0, -impulse, 0});
+  plant.push(0, {0, -impulse, 0});
   run(plant, 200);
-  const double start = -plant.state().balls[0].v_WB.y();
+  const double start = -plant.state().objects[0].v_WB.y();
   CHECK(start == Approx(0.1).epsilon(0.02));
   run(plant, 2000);
-  const scene::Body& ball = plant.state().balls[0];
+  const scene::Body& ball = plant.state().objects[0];
   const double end = -ball.v_WB.y();
   CAPTURE(start, end);
   CHECK(end > 0.9 * start);
@@ -79,40 +80,39 @@ TEST_CASE("rolling friction stops a ball after the distance that its lever predi
   parameters.world.rolling_friction = 1e-3;
   Plant plant(parameters);
   run(plant, 200);
-  plant.push_ball(0, {0, -0.132 * 0.1 * 1.4, 0});
+  plant.push(0, {0, -0.132 * 0.1 * 1.4, 0});
   run(plant, 50);
-  const double v = plant.state().balls[0].v_WB.norm();
-  const double y = plant.state().balls[0].p_WB.y();
+  const double v = plant.state().objects[0].v_WB.norm();
+  const double y = plant.state().objects[0].p_WB.y();
   run(plant, 3000);
   // energy 7/10 m v^2 against the torque lever m g along distance / r
   const double expected = 0.7 * v * v * 0.0315 / (1e-3 * 9.81);
-  CHECK(plant.state().balls[0].v_WB.norm() < 1e-3);
-  CHECK(y - plant.state().balls[0].p_WB.y() == Approx(expected).epsilon(0.1));
+  CHECK(plant.state().objects[0].v_WB.norm() < 1e-3);
+  CHECK(y - plant.state().objects[0].p_WB.y() == Approx(expected).epsilon(0.1));
 }
 
 TEST_CASE("on a tilted table a ball accelerates as a rolling solid sphere does") {
   Parameters parameters = test_parameters();
   parameters.world.table_tilt = {0.0, 0.02};  // turned about y: downhill is +x
-  parameters.world.balls[0].position = {0.55, 0.0};
+  parameters.world.objects[0].position = {0.55, 0.0};
   Plant plant(parameters);
   run(plant, 1000);
-  CHECK(plant.state().balls[0].v_WB.x() == Approx(5.0 / 7.0 * 9.81 * std::sin(0.02)).epsilon(0.01));
+  CHECK(plant.state().objects[0].v_WB.x() ==
+        Approx(5.0 / 7.0 * 9.81 * std::sin(0.02)).epsilon(0.01));
 }
 
-TEST_CASE("up to four balls start where the scenario puts them") {
+TEST_CASE("balls of any size start where the scenario puts them") {
   Parameters parameters = test_parameters();
-  parameters.world.balls = {{{0.5, 0.1}, 0.0315, 0.132},
-                            {{0.6, 0.1}, 0.02, 0.05},
-                            {{0.5, -0.1}, 0.0315, 0.132},
-                            {{0.6, -0.1}, 0.04, 0.2}};
+  parameters.world.objects = {ball({0.5, 0.1}, 0.0315, 0.132, 0), ball({0.6, 0.1}, 0.02, 0.05, 1),
+                              ball({0.5, -0.1}, 0.0315, 0.132, 2), ball({0.6, -0.1}, 0.04, 0.2, 3)};
   Plant plant(parameters);
   run(plant, 500);
-  REQUIRE(plant.state().ball_count == 4);
+  REQUIRE(plant.state().object_count == 4);
   for (int i = 0; i < 4; ++i) {
-    const BallParameters& wanted = parameters.world.balls[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d p = plant.state().balls[static_cast<std::size_t>(i)].p_WB;
+    const ObjectParameters& wanted = parameters.world.objects[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d p = plant.state().objects[static_cast<std::size_t>(i)].p_WB;
     CHECK((p.head<2>() - wanted.position).norm() < 1e-5);
-    CHECK(p.z() == Approx(wanted.radius - 0.0245).margin(1e-4));
+    CHECK(p.z() == Approx(wanted.object.shape().radius - 0.0245).margin(1e-4));
   }
 }
 
@@ -254,17 +254,17 @@ TEST_CASE("a hand holds a ball on a tilted table until the end effector touches 
   parameters.world.table_tilt = {0.0175, 0.0};
   const auto way_in_2_s = [&] {
     Plant plant(parameters);
-    const Eigen::Vector3d start = plant.state().balls[0].p_WB;
+    const Eigen::Vector3d start = plant.state().objects[0].p_WB;
     run(plant, 2000);
-    return (plant.state().balls[0].p_WB - start).head<2>().norm();
+    return (plant.state().objects[0].p_WB - start).head<2>().norm();
   };
   // 5/7 g sin(1 degree) for 2 s
   CHECK(way_in_2_s() == Approx(0.24).epsilon(0.05));
-  parameters.world.balls[0].held = true;
+  parameters.world.objects[0].held = true;
   CHECK(way_in_2_s() < 1e-4);
   // so large that it touches the tool from below
-  parameters.world.balls[0].position = {0.55, 0.0};
-  parameters.world.balls[0].radius = 0.0643;
+  parameters.world.objects[0].position = {0.55, 0.0};
+  parameters.world.objects[0].object = ball({0.55, 0.0}, 0.0643, 0.132).object;
   CHECK(way_in_2_s() > 0.01);
 }
 
@@ -388,13 +388,13 @@ TEST_CASE("the same commands give the same bits") {
   Client client_a, client_b;
   for (int i = 0; i < 2000; ++i) {
     if (i == 300) {
-      a.push_ball(0, {0.004, -0.01, 0});
-      b.push_ball(0, {0.004, -0.01, 0});
+      a.push(0, {0.004, -0.01, 0});
+      b.push(0, {0.004, -0.01, 0});
     }
     client_a.step(a);
     client_b.step(b);
   }
-  REQUIRE(a.state().balls[0].v_WB.norm() > 0.01);
+  REQUIRE(a.state().objects[0].v_WB.norm() > 0.01);
   const auto bytes = [](const mjModel& m) {
     return static_cast<std::size_t>(m.nq) * sizeof(double);
   };
@@ -410,7 +410,7 @@ TEST_CASE("a cycle does not allocate") {
   {
     const support::AllocationCounter heap;
     for (int i = 0; i < 1000; ++i) {
-      if (i == 200) plant.push_ball(0, {0.01, 0, 0});
+      if (i == 200) plant.push(0, {0.01, 0, 0});
       if (i == 500) plant.request_stop();
       if (i == 700) plant.request_recovery();
       client.step(plant);
@@ -460,26 +460,82 @@ TEST_CASE("mode table") {
 TEST_CASE(
     "a box lies on the table as the scenario says, and a push slides it as far as friction lets") {
   Parameters parameters = test_parameters();
-  parameters.world.friction.ball_table = 0.4;
-  BallParameters box{{0.55, 0.1}, 0.0, 0.5};
-  box.half_sizes = Eigen::Vector3d(0.05, 0.04, 0.03);
+  ObjectParameters box{};
+  box.object = scene::solid("box", scene::Shape::box({0.05, 0.04, 0.03}), 0.5);
+  box.position = {0.55, 0.1};
   box.yaw = 0.5;
-  parameters.world.balls = {box};
+  box.friction_table = 0.4;
+  parameters.world.objects = {box};
   Plant plant(parameters);
-  const scene::Body start = plant.state().balls[0];
+  const scene::Body start = plant.state().objects[0];
   CHECK((start.p_WB - Eigen::Vector3d(0.55, 0.1, -0.0245 + 0.03)).norm() < 1e-12);
   CHECK(scene::yaw(start) == Approx(0.5));
   for (int i = 0; i < 500; ++i) plant.step_1ms();
-  CHECK((plant.state().balls[0].p_WB - start.p_WB).norm() < 2e-4);
-  CHECK(std::abs(scene::yaw(plant.state().balls[0]) - 0.5) < 1e-4);
+  CHECK((plant.state().objects[0].p_WB - start.p_WB).norm() < 2e-4);
+  CHECK(std::abs(scene::yaw(plant.state().objects[0]) - 0.5) < 1e-4);
   // v = 0.2 / 0.5, s = v^2 / (2 mu g)
-  const Eigen::Vector3d rest = plant.state().balls[0].p_WB;
-  plant.push_ball(0, {0.2, 0.0, 0.0});
+  const Eigen::Vector3d rest = plant.state().objects[0].p_WB;
+  plant.push(0, {0.2, 0.0, 0.0});
   for (int i = 0; i < 1000; ++i) plant.step_1ms();
-  const Eigen::Vector3d moved = plant.state().balls[0].p_WB - rest;
+  const Eigen::Vector3d moved = plant.state().objects[0].p_WB - rest;
   CHECK(moved.x() == Approx(0.4 * 0.4 / (2.0 * 0.4 * 9.81)).epsilon(0.05));
   CHECK(std::abs(moved.y()) < 1e-3);
-  CHECK(plant.state().balls[0].v_WB.norm() < 1e-3);
+  CHECK(plant.state().objects[0].v_WB.norm() < 1e-3);
+}
+
+TEST_CASE("eight objects of every shape rest on the table where they start") {
+  Parameters parameters = test_parameters();
+  using scene::Shape;
+  const std::vector<scene::Object> objects{
+      scene::solid("ball", Shape::sphere(0.03), 0.1),
+      scene::solid("box", Shape::box({0.03, 0.02, 0.025}), 0.2),
+      scene::solid("capsule", Shape::capsule(0.02, 0.03), 0.1),
+      scene::solid("can", Shape::cylinder(0.02, 0.03), 0.1),
+      mjcf::read_object(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml").object,
+      scene::solid("second", Shape::box({0.02, 0.02, 0.02}), 0.2),
+      scene::solid("third", Shape::box({0.02, 0.02, 0.02}), 0.2),
+      scene::solid("fourth", Shape::box({0.02, 0.02, 0.02}), 0.2)};
+  parameters.world.objects.clear();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    ObjectParameters object{};
+    object.object = objects[i];
+    object.position = {0.3 + 0.15 * static_cast<double>(i % 4), i < 4 ? -0.3 : 0.3};
+    object.yaw = 0.3 * static_cast<double>(i);
+    if (i == 2) object.roll_pitch = {M_PI_2, 0.0};
+    parameters.world.objects.push_back(object);
+  }
+  Plant plant(parameters);
+  const State start = plant.state();
+  REQUIRE(start.object_count == 8);
+  CHECK(start.objects[2].p_WB.z() == Approx(-0.0245 + 0.02));
+  CHECK(start.objects[3].p_WB.z() == Approx(-0.0245 + 0.03));
+  CHECK(start.objects[4].p_WB.z() == Approx(-0.0245 + 0.02));
+  run(plant, 300);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    CAPTURE(objects[i].name);
+    CHECK((plant.state().objects[i].p_WB - start.objects[i].p_WB).norm() < 3e-4);
+    CHECK(plant.state().objects[i].q_WB.angularDistance(Eigen::Quaterniond(start.objects[i].q_WB)) <
+          2e-3);
+  }
+}
+
+TEST_CASE("the T of a file moves as the rigid body that the file describes") {
+  Parameters parameters = test_parameters();
+  ObjectParameters t{};
+  t.object = mjcf::read_object(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml").object;
+  t.position = {0.55, 0.1};
+  t.yaw = 0.7;
+  parameters.world.objects = {t};
+  const Plant plant(parameters);
+  // mass matrix of MuJoCo's free joint: mass, then the inertia in the body's axes
+  const int nv = plant.model().nv;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(nv, nv);
+  mj_fullM(&plant.model(), M.data(), plant.data().qM);
+  CHECK(M.block<3, 3>(kJoints, kJoints).isApprox(0.56 * Eigen::Matrix3d::Identity(), 1e-9));
+  CHECK(M.block<3, 3>(kJoints + 3, kJoints + 3).isApprox(t.object.inertia, 1e-6));
+  CHECK(M.block<3, 3>(kJoints, kJoints + 3).norm() < 1e-12);
+  CHECK(scene::yaw(plant.state().objects[0]) == Approx(0.7));
+  CHECK(std::string(plant.state().objects[0].name.c_str()) == "t");
 }
 
 TEST_CASE("every error has its own name") {

@@ -46,7 +46,7 @@ bool until(const std::function<bool()>& done, const std::function<void()>& cycle
 TEST_CASE(
     "in realtime the plant moves while it is commanded, stops when it is not, and recovers on "
     "request") {
-  Child child(kScenario, {"--clock", "realtime", "--set", "plant.balls.0.start_spread_m=0"});
+  Child child(kScenario, {"--clock", "realtime", "--set", "plant.objects.0.start_spread_m=0"});
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);

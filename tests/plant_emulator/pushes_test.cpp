@@ -20,8 +20,8 @@ TEST_CASE("pushes: each is in the first half of its piece of the time, within th
       const Push& push = pushes[static_cast<std::size_t>(i)];
       CHECK(push.time >= 10.0 + 10.0 * i);
       CHECK(push.time <= 15.0 + 10.0 * i);
-      CHECK(push.ball >= 0);
-      CHECK(push.ball < 3);
+      CHECK(push.object >= 0);
+      CHECK(push.object < 3);
       CHECK(push.impulse.norm() >= 0.005 - 1e-12);
       CHECK(push.impulse.norm() <= 0.01 + 1e-12);
       CHECK(push.impulse.z() == 0.0);
@@ -47,7 +47,7 @@ TEST_CASE("pushes: over many seeds they come from all sides and to all balls") {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     for (const Push& push : drawn_pushes(kPushes, 2, seed)) {
       sum += push.impulse.normalized() / (8.0 * kSeeds);
-      ++balls.at(static_cast<std::size_t>(push.ball));
+      ++balls.at(static_cast<std::size_t>(push.object));
     }
   }
   // the mean of 4000 unit vectors in random directions is about 1/63 long

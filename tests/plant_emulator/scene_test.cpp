@@ -4,12 +4,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <GL/osmesa.h>
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "controller/mjcf/object.hpp"
 #include "plant_emulator/plant.hpp"
 #include "tests/plant_emulator/parameters.hpp"
 
@@ -135,8 +137,66 @@ TEST_CASE(
       CAPTURE(camera.name, meshes, m.m00);
       REQUIRE(m.m00 > 100);
       const cv::Point2d seen(m.m10 / m.m00, m.m01 / m.m00);
-      const cv::Point2d expected = project(camera, ball_start(parameters.world, 0));
+      const cv::Point2d expected = project(camera, object_start(parameters.world, 0).translation());
       CHECK(std::hypot(seen.x - expected.x, seen.y - expected.y) < 2.0);
+    }
+  }
+}
+
+TEST_CASE("a camera sees the T of a file where its parts are, and table in its hollows") {
+  SceneParameters parameters = scene_with_cameras(installed_mesh_directory());
+  parameters.cameras.push_back(look_at("above", {0.6, 0.3, 0.6}, {0.55, 0.25, 0.0}));
+  ObjectParameters t{};
+  t.object = mjcf::read_object(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml").object;
+  t.position = {0.55, 0.25};
+  t.yaw = 0.6;
+  parameters.world.objects = {t};
+  const Model model = build_model(parameters);
+  const Data data = home(*model);
+  Renderer renderer(*model);
+  const GeomGroup arm = parameters.mesh_directory.empty() ? kGroupArmPrimitives : kGroupArmMeshes;
+  keep("t_overview", renderer.render(*data, "overview", arm));
+  const cv::Mat image = renderer.render(*data, "above", arm);
+  keep("t_above", image);
+  cv::Mat hsv, orange;
+  cv::cvtColor(image, hsv, cv::COLOR_BGR2HSV);
+  cv::inRange(hsv, cv::Scalar(3, 150, 30), cv::Scalar(22, 255, 255), orange);
+  const Eigen::Isometry3d X_WB = object_start(parameters.world, 0);
+  const auto is_orange = [&](double x, double y) {
+    // a point of the T's upper side, from the middle of its top in the file's axes
+    const Eigen::Vector3d p_B =
+        Eigen::Vector3d(x, y, 0.02) - Eigen::Vector3d(0.0, -0.08 * 0.24 / 0.56, 0.0);
+    const cv::Point2d at = project(parameters.cameras.back(), X_WB * p_B);
+    return orange.at<std::uint8_t>(static_cast<int>(std::lround(at.y)),
+                                   static_cast<int>(std::lround(at.x))) > 0;
+  };
+  for (const auto& [x, y] : {std::pair(0.0, 0.0),
+                             {0.07, 0.01},
+                             {-0.07, -0.01},
+                             {0.0, -0.13},
+                             {0.01, -0.05},
+                             {-0.01, -0.1}}) {
+    CAPTURE(x, y);
+    CHECK(is_orange(x, y));
+  }
+  for (const auto& [x, y] :
+       {std::pair(0.06, -0.08), {-0.06, -0.08}, {0.05, -0.13}, {0.1, 0.0}, {0.0, 0.04}}) {
+    CAPTURE(x, y);
+    CHECK_FALSE(is_orange(x, y));
+  }
+}
+
+TEST_CASE("eight objects have colours that a camera tells apart") {
+  for (std::size_t i = 0; i < kObjectColours.size(); ++i) {
+    const Eigen::Vector3d colour = kObjectColours[i];
+    CHECK(colour.maxCoeff() - colour.minCoeff() > 0.5);
+    const auto across_grey = [](const Eigen::Vector3d& c) {
+      return Eigen::Vector3d(c - Eigen::Vector3d::Constant(c.mean()));
+    };
+    for (std::size_t j = 0; j < i; ++j) {
+      const Eigen::Vector3d a = across_grey(colour), b = across_grey(kObjectColours[j]);
+      CAPTURE(i, j);
+      CHECK(a.dot(b) < 0.87 * a.norm() * b.norm());  // half a radian of hue
     }
   }
 }
@@ -156,8 +216,8 @@ TEST_CASE("a scene that cannot be is refused by name") {
   p.world.step = 0.002;
   CHECK_THROWS_WITH(build_model(p), Catch::Contains("step must be in (0, 0.001] s"));
   p = test_scene();
-  p.world.balls.clear();
-  CHECK_THROWS_WITH(build_model(p), Catch::Contains("1 to 4 balls"));
+  p.world.objects.clear();
+  CHECK_THROWS_WITH(build_model(p), Catch::Contains("1 to 8 objects"));
   p = test_scene();
   p.mesh_directory = "/nowhere";
   CHECK_THROWS_WITH(build_model(p), Catch::Contains("link0.stl"));

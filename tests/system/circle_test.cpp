@@ -159,7 +159,7 @@ TEST_CASE(
   CHECK(run.wait() == 3);
   const std::string said = read_file(directory + ".log");
   CHECK_THAT(said,
-             Catch::Contains("vision was killed by signal 9") && Catch::Contains("ball=0 found"));
+             Catch::Contains("vision was killed by signal 9") && Catch::Contains("object=0 found"));
   for (const auto& [name, pid] : children) {
     CAPTURE(name);
     CHECK(kill(pid, 0) != 0);

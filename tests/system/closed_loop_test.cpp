@@ -31,7 +31,7 @@ Course run(const std::string& scenario_name, std::uint64_t seed, double seconds,
   double previous = 0.0;
   while (loop.time() < seconds) {
     loop.step_1ms();
-    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>() - circle.center;
+    const Eigen::Vector2d ball = loop.plant().state().objects[0].p_WB.head<2>() - circle.center;
     const double alpha = std::atan2(ball.x(), ball.y());
     course.turns += std::remainder(alpha - previous, 2.0 * M_PI) / (2.0 * M_PI);
     previous = alpha;
@@ -72,7 +72,7 @@ TEST_CASE("closed loop: other balls go round with the same settings") {
     const Course course =
         run("circle_fast", 4, 20.0,
             {"planner.model.ball_radius_m=" + radius, "planner.model.ball_mass_kg=" + mass,
-             "plant.balls.0.radius_m=" + radius, "plant.balls.0.mass_kg=" + mass});
+             "plant.objects.0.radius_m=" + radius, "plant.objects.0.mass_kg=" + mass});
     CHECK(course.turns > 1.0);
     CHECK(course.largest_error < 0.03);
   }
@@ -117,7 +117,7 @@ TEST_CASE(
     const bool rolling = loop.mode() == planner::Mode::kTask;
     if (start < 0.0 && rolling) start = loop.time();
     if (start < 0.0 || loop.time() - start < 1.0) continue;
-    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+    const Eigen::Vector2d ball = loop.plant().state().objects[0].p_WB.head<2>();
     const double error = (ball - path.point(loop.time() - start)).norm();
     largest = std::max(largest, error);
     squares += error * error;
@@ -139,14 +139,14 @@ double bring_along_the_line(const std::string& scenario_name, std::uint64_t seed
   const config::Scenario scenario = config::load_scenario(
       std::string(C3RT_SOURCE_DIRECTORY "/config/scenarios/") + scenario_name + ".yaml");
   const auto& line = *scenario.task.motion.as<c3rt::task::Line>();
-  const std::size_t balls = scenario.plant.world.balls.size();
+  const std::size_t balls = scenario.plant.world.objects.size();
   test::Run loop(scenario, seed);
   std::vector<double> beside(balls, 0.0);  // until each has arrived
   while (loop.time() < seconds) {
     loop.step_1ms();
     bool arrived = true;
     for (std::size_t i = 0; i < balls; ++i) {
-      const Eigen::Vector3d ball = loop.plant().state().balls[i].p_WB;
+      const Eigen::Vector3d ball = loop.plant().state().objects[i].p_WB;
       if (line.past_end(ball.y())) continue;
       arrived = false;
       beside[i] = std::abs(ball.x() - line.x);
@@ -188,7 +188,7 @@ std::vector<std::string> emulated(const std::string& name) {
 }
 
 double ball_speed(test::Run& loop, int ball) {
-  return loop.plant().state().balls[static_cast<std::size_t>(ball)].v_WB.head<2>().norm();
+  return loop.plant().state().objects[static_cast<std::size_t>(ball)].v_WB.head<2>().norm();
 }
 
 }  // namespace
@@ -227,7 +227,7 @@ TEST_CASE(
     const double resumed = loop.time();
     while (loop.time() < resumed + 16.0) {
       loop.step_1ms();
-      const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>() - circle.center;
+      const Eigen::Vector2d ball = loop.plant().state().objects[0].p_WB.head<2>() - circle.center;
       const double alpha = std::atan2(ball.x(), ball.y());
       if (loop.time() > resumed + 0.002)
         turns += std::remainder(alpha - previous, 2.0 * M_PI) / (2.0 * M_PI);
@@ -252,7 +252,7 @@ TEST_CASE("closed loop: a hold that ends while the ball is being stopped goes on
     loop.go_on();
     loop.until(16.0);
     CHECK(ball_speed(loop, 0) > 0.01);
-    const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+    const Eigen::Vector2d ball = loop.plant().state().objects[0].p_WB.head<2>();
     CHECK(std::abs((ball - Eigen::Vector2d(0.55, 0.0)).norm() - 0.1) < 0.02);
   }
 }
@@ -272,7 +272,7 @@ TEST_CASE("closed loop: hold stops the worked ball of three, and the line goes o
     loop.step_1ms();
     arrived = 0;
     for (int i = 0; i < 3; ++i)
-      arrived += line.past_end(loop.plant().state().balls[static_cast<std::size_t>(i)].p_WB.y());
+      arrived += line.past_end(loop.plant().state().objects[static_cast<std::size_t>(i)].p_WB.y());
   }
   CHECK(arrived == 3);
 }
@@ -298,7 +298,7 @@ TEST_CASE(
       loop.running.vision = true;
       loop.set_in_view(true);
       loop.until(at + 7.0);
-      const auto& p_WB = loop.plant().state().balls[0].p_WB;
+      const auto& p_WB = loop.plant().state().objects[0].p_WB;
       const Eigen::Vector2d before = p_WB.head<2>();
       loop.until(at + 10.0);
       const Eigen::Vector2d ball = p_WB.head<2>();
@@ -323,7 +323,7 @@ TEST_CASE("closed loop: a pose as a target brings the ball there, and keeps it w
       double farthest = 0.0;
       while (loop.time() < until) {
         loop.step_1ms();
-        const Eigen::Vector2d ball = loop.plant().state().balls[0].p_WB.head<2>();
+        const Eigen::Vector2d ball = loop.plant().state().objects[0].p_WB.head<2>();
         farthest = std::max(farthest, (ball - point).norm());
       }
       CHECK(farthest < 0.01);

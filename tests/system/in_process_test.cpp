@@ -86,7 +86,7 @@ TEST_CASE("in process: criteria decide the exit status, and it tells what its no
   std::ifstream log(std::string(C3RT_BINARY_DIRECTORY) + "/in_process_here/logs/in-process.log");
   const std::string said{std::istreambuf_iterator<char>(log), std::istreambuf_iterator<char>()};
   CHECK_THAT(said, Catch::Contains("plant: mode follows commands") &&
-                       Catch::Contains("vision: ball=0 found"));
+                       Catch::Contains("vision: object=0 found"));
 
   CHECK(run("here", {"circle_slow", "--duration", "2"}).status == 1);
 }

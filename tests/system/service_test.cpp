@@ -217,7 +217,7 @@ TEST_CASE(
            {"fault nan plant --for 0.01", 0, 0, "plant: "},
            {"fault push-ball --impulse 0.001 0 0", 0, 0, "plant: "},
            {"fault push-ball --impulse 100 0 0", 2, 1, "at most"},
-           {"fault push-ball --impulse 0.001 0 0 --ball 3", 2, 1, "ball"},
+           {"fault push-ball --impulse 0.001 0 0 --object 3", 2, 1, "object"},
            {"fault push-ball --impulse nan 0 0", 2, 2, ""},
            {"fault freeze-camera --camera 99", 2, 2, "camera"},
            {"fault stall nobody", 2, 2, ""}}) {

@@ -87,6 +87,24 @@ TEST_CASE("vision parameters: balls have distinct colours unless the scenario sa
   REQUIRE_THROWS_WITH(load(kGood + "object_colours: red\n"), Catch::Contains("object_colours"));
 }
 
+TEST_CASE("vision parameters: errors of the emulated source that drift and come late") {
+  const vision::EmulatedParameters none = load(kGood).emulated;
+  CHECK(none.drift == 0.0);
+  CHECK(none.angle_drift == 0.0);
+  CHECK(none.delay == 0.0);
+  const vision::EmulatedParameters all =
+      load(replaced("clip_m: 0.01",
+                    "clip_m: 0.01, drift_m: 0.002, angle_drift_rad: 0.01, "
+                    "drift_time_s: 2, delay_s: 0.05"))
+          .emulated;
+  CHECK(all.drift == 0.002);
+  CHECK(all.angle_drift == 0.01);
+  CHECK(all.drift_time == 2.0);
+  CHECK(all.delay == 0.05);
+  REQUIRE_THROWS_WITH(load(replaced("clip_m: 0.01", "clip_m: 0.01, drift_m: 0.002")),
+                      Catch::Contains("drift_time_s"));
+}
+
 TEST_CASE("vision parameters: only the emulated source can do without cameras") {
   const std::string without = kGood.substr(0, kGood.find("cameras:\n")) + "cameras: []\n";
   REQUIRE_THROWS_WITH(load(without), Catch::Contains("cameras"));

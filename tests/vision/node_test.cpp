@@ -188,7 +188,7 @@ TEST_CASE("vision node: of an object that a hand may hold or move no acceleratio
 TEST_CASE("vision node: an object out of view is lost after a while, told once, and found again") {
   World world;
   const Node::Output& out = world.step();
-  CHECK(out.events == std::vector<std::string>{"ball=0 found"});
+  CHECK(out.events == std::vector<std::string>{"object=0 found"});
   CHECK_FALSE(world.node.degraded());
   world.source.found = false;
   int told = 0;
@@ -197,12 +197,12 @@ TEST_CASE("vision node: an object out of view is lost after a while, told once, 
   CHECK_FALSE(out.estimates[0].valid);
   CHECK(out.estimates[0].p_WB_m[0] == 0.5);  // the last good number
   CHECK(world.node.degraded());
-  CHECK(world.node.text() == "lost ball 0");
+  CHECK(world.node.text() == "lost object 0");
   CHECK(world.node.counters().lost_events == 1);
   world.source.found = true;
   world.step();
-  CHECK(out.events == std::vector<std::string>{"ball=0 found"});
-  CHECK(world.node.text() == "tracks the ball");
+  CHECK(out.events == std::vector<std::string>{"object=0 found"});
+  CHECK(world.node.text() == "tracks the object");
 }
 
 TEST_CASE("vision node: exposures that did not come are counted") {

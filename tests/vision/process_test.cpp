@@ -218,22 +218,23 @@ TEST_CASE(
     "in lockstep three balls in contact have an estimate each, within 1 mm, by their number") {
   std::string balls;
   for (const char* y : {"0", "0.063", "0.126"}) {
-    balls +=
-        std::string("    - {position_m: [0.65, ") + y + "], radius_m: 0.0315, mass_kg: 0.132}\n";
+    balls += std::string("    - {shape: sphere, position_m: [0.65, ") + y +
+             "], radius_m: 0.0315, mass_kg: 0.132}\n";
   }
   Child child(
-      camera_scenario({{"    - {position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132, "
-                        "start_spread_m: 0.01}\n",
-                        balls},
-                       {"friction_table: 1.0", "friction_balls: 1.0"},
-                       {" ball_z: 0,", ""},
-                       {" ball_z: 1,", ""},
-                       {"table_normal", "balls_normal"},
-                       {"table_tangential", "balls_tangential"},
-                       {"ball_table: true", "ball_ball: true"},
-                       {"    return_back_m:",
-                        "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
-                        "    room_ahead_m: 0\n    return_back_m:"}}),
+      camera_scenario(
+          {{"    - {shape: sphere, position_m: [0.55, 0.1], radius_m: 0.0315, mass_kg: 0.132, "
+            "start_spread_m: 0.01}\n",
+            balls},
+           {"friction_table: 1.0", "friction_balls: 1.0"},
+           {" ball_z: 0,", ""},
+           {" ball_z: 1,", ""},
+           {"table_normal", "balls_normal"},
+           {"table_tangential", "balls_tangential"},
+           {"ball_table: true", "ball_ball: true"},
+           {"    return_back_m:",
+            "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
+            "    room_ahead_m: 0\n    return_back_m:"}}),
       "lockstep");
   wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);

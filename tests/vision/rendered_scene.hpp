@@ -34,11 +34,16 @@ inline plant::World world(const std::vector<Eigen::Vector2d>& places) {
   plant::World world{};
   world.table_height = kTable;
   world.table_tilt.setZero();
-  world.friction = {1, 1, 1, 1};
+  world.friction = {1, 1};
   world.rolling_friction = 0;
   world.step = 5e-4;
   world.end_effector = end_effector();
-  for (const Eigen::Vector2d& place : places) world.balls.push_back({place, kRadius, 0.132});
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    plant::ObjectParameters object{};
+    object.object = scene::solid("ball" + std::to_string(i), scene::Shape::sphere(kRadius), 0.132);
+    object.position = places[i];
+    world.objects.push_back(object);
+  }
   return world;
 }
 

@@ -74,7 +74,7 @@ TEST_CASE(
     "above it") {
   const Parameters p = parameters();
   VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
-  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kObjectColours[0]}}, rig.cameras());
   for (const auto& [back, side] : {std::pair{0.025, 0.0}, std::pair{0.02, 0.02}}) {
     const Errors errors = roll(rig, tracker, p, back, side);
     CAPTURE(back, side);
@@ -93,7 +93,7 @@ TEST_CASE(
 TEST_CASE("three cameras: a ball that was moved, or never seen, is found within four exposures") {
   const Parameters p = parameters();
   VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
-  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kObjectColours[0]}}, rig.cameras());
   ScenePose pose;
   pose.q = {0, 0.275, 0, -2.222, 0, 2.497, 0};
   pose.X_WB = {Eigen::Isometry3d::Identity()};
@@ -122,7 +122,7 @@ TEST_CASE("three cameras: rays find a ball that lies lower than the table is bel
   Parameters p = parameters();
   p.fusion.rays = true;
   VirtualCameras rig(world({{0.55, 0.1}}), p, 1);
-  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kBallColours[0]}}, rig.cameras());
+  Tracker tracker(p, {{kRadius, kTable + kRadius, plant::kObjectColours[0]}}, rig.cameras());
   ScenePose pose;
   pose.q = {0, 0.275, 0, -2.222, 0, 2.497, 0};
   pose.X_WB = {Eigen::Isometry3d::Identity()};

@@ -65,7 +65,7 @@ Outcome follow(const Course& course, double duration, ObjectColours colours, dou
   std::vector<SphereModel> models;
   std::vector<Estimator> estimators;
   for (std::size_t i = 0; i < start.balls.size(); ++i) {
-    models.push_back({kRadius, kTable + kRadius, plant::kBallColours.at(i)});
+    models.push_back({kRadius, kTable + kRadius, plant::kObjectColours.at(i)});
     estimators.emplace_back(p.estimator, kRadius);
   }
   Tracker tracker(p, models, rig.cameras());

@@ -43,16 +43,22 @@ struct Rig {
   static std::vector<SphereModel> models(std::size_t balls) {
     std::vector<SphereModel> result;
     for (std::size_t i = 0; i < balls; ++i)
-      result.push_back({kRadius, kRadius, plant::kBallColours.at(i)});
+      result.push_back({kRadius, kRadius, plant::kObjectColours.at(i)});
     return result;
   }
   static plant::World make_world(std::size_t balls) {
     plant::World world{};
     world.table_tilt.setZero();
-    world.friction = {1, 1, 1, 1};
+    world.friction = {1, 1};
     world.step = 5e-4;
     world.end_effector = plant::end_effector_of(config::load_robot("panda"));
-    for (std::size_t i = 0; i < balls; ++i) world.balls.push_back({kPlaces[i], kRadius, 0.132});
+    for (std::size_t i = 0; i < balls; ++i) {
+      plant::ObjectParameters object{};
+      object.object =
+          scene::solid("ball" + std::to_string(i), scene::Shape::sphere(kRadius), 0.132);
+      object.position = kPlaces[i];
+      world.objects.push_back(object);
+    }
     return world;
   }
   void expose() {
