@@ -23,7 +23,7 @@ using model::Vector7d;
 
 enum class Inertia {
   kFull,      // Λ as in (36): free, every coordinate is on its own; blocked in one, the law pushes
-              // sideways: with z held by a ball, f_x = Λ_xz / Λ_zz f_z, 0.4 of it in our posture
+              // sideways: with z held below it, f_x = Λ_xz / Λ_zz f_z, 0.4 of it in our posture
   kDiagonal,  // Λ's diagonal: a blocked coordinate pushes no other, at the price of some coupling
               // of the free motion; passive as well, as Λ_d K and Λ_d B are. Its gains are up to
               // 20 times Λ's (x against pitch), so they have to stay low
@@ -85,7 +85,7 @@ constexpr double kSmallestMobility = 0.005;
 ///
 ///   τ_ff = -J_v^T f
 ///
-/// and so the end effector exerts the planned force on the ball without leaving its reference. The
+/// and so the end effector exerts the planned force on an object without leaving its reference. The
 /// force's line is taken through E: the normal's passes there, the friction's lever is the radius.
 /// RT: no heap, no lock, no throw.
 Vector7d feed_forward_torque(const Matrix67d& J_WE, const Eigen::Vector3d& force_E) noexcept;

@@ -12,7 +12,7 @@ std::string text(const char* format, Numbers... numbers) {
   return buffer;
 }
 
-/// "ball 0", "box 0": as clients name it, by its index.
+/// "t 0", "box 0": as clients name it, by its index.
 std::string called(const Activity& activity) {
   const std::string name = activity.body_name.c_str();
   const bool numbered = !name.empty() && name.back() >= '0' && name.back() <= '9';

@@ -49,7 +49,7 @@ const char* name(Mode mode, const char* phase);
 /// Whether somebody should look: it cannot go about its task, and nobody asked for that.
 bool needs_attention(const Activity& activity);
 
-/// A sentence: "holding: ball 0 is not in view since 1.2 s".
+/// A sentence: "holding: box 0 is not in view since 1.2 s".
 std::string describe(const Activity& activity, const Parameters& parameters, double now);
 
 }  // namespace c3rt::planner

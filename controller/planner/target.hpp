@@ -12,14 +12,14 @@ namespace c3rt::planner {
 struct ScenarioTarget {
   static constexpr const char* kKind = "scenario";
 };
-/// The ball that is worked on is brought to rest, then the end effector leaves it.
+/// The object that is worked on is brought to rest, then the end effector leaves it.
 struct HoldTarget {
   static constexpr const char* kKind = "hold";
 };
 
 using Target = std::variant<ScenarioTarget, HoldTarget, task::Task>;
 
-/// A client's target is drawn no farther from the ball than this, or a ball that is far from a new
+/// A client's target is drawn no farther from the object than this, or one that is far from a new
 /// circle would be thrown at it [m].
 constexpr double kTargetPace = 0.04;
 
