@@ -1,5 +1,7 @@
 #include "controller/planner/c3_controller.hpp"
 
+#include <algorithm>
+
 #include "controller/lcs/lcs.hpp"
 #include "controller/lcs/step.hpp"
 #include "controller/model/registry.hpp"
@@ -68,6 +70,26 @@ void C3Controller::use(int costs) {
   in_use_ = costs;
 }
 
+const c3::Start* C3Controller::start(const Eigen::VectorXd& phi) {
+  const bool knows_gaps = solver_.n_copy() > n_x() + n_lambda() + n_u();
+  if (!knows_gaps || !(phi.array() > free_beyond_).any()) return nullptr;
+  const model::LambdaLayout lambda = problem_.lambda();
+  const Eigen::Index N = x_desired_.cols() - 1;
+  start_.w.setZero(solver_.n_copy(), N);
+  start_.delta.setZero(solver_.n_copy(), N);
+  start_.delta.topRows(n_x()).colwise() = x_hat_;
+  const Eigen::VectorXd eta = planning_.E * x_hat_ + planning_.c;
+  for (int i = 0; i < static_cast<int>(phi.size()); ++i) {
+    if (phi[i] <= free_beyond_) continue;
+    const auto free = [&](int row) {
+      start_.delta.row(solver_.n_copy() - n_lambda() + row).setConstant(std::max(0.0, eta[row]));
+    };
+    if (lambda.has_normal()) free(lambda.normal(i));
+    for (int edge = 0; edge < lambda.edge_count(); ++edge) free(lambda.edges(i) + edge);
+  }
+  return &start_;
+}
+
 StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline) {
   // step 2: the LCS about x̂
   model_->state(x_hat, x_hat_);
@@ -82,7 +104,8 @@ StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::De
 
   // step 3: Algorithm 1
   use(costs);
-  const c3::Solution& solution = solver_.solve(planning_, x_hat_, x_desired_, deadline);
+  const c3::Solution& solution =
+      solver_.solve(planning_, x_hat_, x_desired_, deadline, start(system_.phi));
   result_.solution = &solution;
   if (solution.status == c3::SolveStatus::kFailed) return StepStatus::kFailed;
   result_.u_c3 = force_unit_ * solution.u_0();

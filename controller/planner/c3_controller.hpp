@@ -1,5 +1,6 @@
 #pragma once
 // Algorithm 3, steps 2 to 5, of any planning model: from x̂ and what is wanted of it to (x_d, λ_d).
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -62,6 +63,10 @@ class C3Controller {
     model_->state_about(desired, x_hat, x_desired_.col(stage));
   }
 
+  /// C3+ alone: the gaps of contacts that are farther apart than this begin as they are, else at 0,
+  /// which draws bodies to every contact of the model [m].
+  void start_from_free_gaps(double beyond) { free_beyond_ = beyond; }
+
   /// Steps 2 and 3: the plan from x̂, of which result() has the solution. A strategy that compares
   /// several places of the end effector asks for one plan each.
   StepStatus plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline);
@@ -70,9 +75,14 @@ class C3Controller {
                   const c3::Deadline& deadline);
 
   const StepResult& result() const noexcept { return result_; }
+  // of the last plan
+  const lcs::Lcs& planning_system() const noexcept { return planning_; }  // forces scaled
+  const Eigen::VectorXd& x_hat() const noexcept { return x_hat_; }
+  const Eigen::MatrixXd& x_desired() const noexcept { return x_desired_; }  // (n_x × N + 1)
 
  private:
   void use(int costs);
+  const c3::Start* start(const Eigen::VectorXd& phi);
 
   double dt_;
   bool scale_forces_;
@@ -90,6 +100,8 @@ class C3Controller {
   lcs::Lcs planning_;
   Eigen::MatrixXd x_desired_;
   Eigen::VectorXd x_hat_, x_next_;
+  double free_beyond_ = std::numeric_limits<double>::infinity();
+  c3::Start start_;
   StepResult result_;
 };
 

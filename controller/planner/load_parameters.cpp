@@ -237,11 +237,34 @@ HeuristicParameters load_heuristic(config::Section heuristic, int bodies) {
   return parameters;
 }
 
-PushParameters load_push(config::Section push) {
-  PushParameters parameters{};
-  parameters.height = push.number("height_m", {1e-3, 0.5});
-  parameters.gap = push.number("gap_m", {1e-3, 0.1});
-  parameters.look_ahead = push.number("look_ahead_m", {1e-3, 1});
+SamplingParameters load_sampling(config::Section sampling) {
+  SamplingParameters parameters{};
+  parameters.height = sampling.number("height_m", {1e-3, 0.5});
+  parameters.clearance = sampling.number("clearance_m", {1e-3, 0.1});
+  parameters.look_ahead = sampling.number("look_ahead_m", {1e-3, 1});
+  parameters.look_ahead_angle = sampling.number("look_ahead_rad", {0.01, 3});
+  parameters.reach_min = sampling.numbers("reach_min_m", 2, {-2, 2});
+  parameters.reach_max = sampling.numbers("reach_max_m", 2, {-2, 2});
+  if ((parameters.reach_min.array() >= parameters.reach_max.array()).any())
+    sampling.fail("reach_max_m", "every entry above that of reach_min_m", "one that is not");
+  parameters.seed = static_cast<std::uint64_t>(sampling.integer("seed", {0, 1e9}));
+  parameters.samples = sampling.integer("samples", {1, 64});
+  parameters.samples_to_choose = sampling.integer("samples_to_choose", {1, 64});
+  parameters.least_drawn = sampling.integer("least_drawn", {1, 1000});
+  parameters.better = sampling.number("better", {1, 100});
+  parameters.margin = sampling.number("margin", {0, 1});
+  parameters.retarget = sampling.number("retarget", {0, 1});
+  parameters.least_time = sampling.number("least_time_s", {0, 60});
+  parameters.headway = sampling.number("headway", {0, 1});
+  parameters.headway_time = sampling.number("headway_time_s", {0.01, 60});
+  parameters.valid_moved = sampling.number("valid_moved_m", {0, 1});
+  parameters.valid_turned = sampling.number("valid_turned_rad", {0, 4});
+  parameters.speed = sampling.number("speed_m_per_s", {0.01, 1});
+  parameters.acceleration = sampling.number("acceleration_m_per_s2", {0.1, 20});
+  parameters.clear = sampling.number("clear_m", {0, 0.1});
+  config::Section servo = sampling.section("servo");
+  parameters.servo.stiffness = servo.number("stiffness_n_per_m", {0, 1e5});
+  parameters.servo.damping = servo.number("damping_n_s_per_m", {0, 1e4});
   return parameters;
 }
 
@@ -259,17 +282,18 @@ void load_strategy(config::Section& section, Parameters& parameters) {
         "strategy",
         "one that knows other bodies than spheres, as a " + parameters.model.kind + " is none",
         "time_heuristic");
-  const bool push = parameters.strategy == "push";
   const std::string why = "strategy " + parameters.strategy;
-  if (section.given("push", push, why)) parameters.push = load_push(section.section("push"));
-  if (section.given("weights", heuristic || push, why)) {
+  const bool sampling = parameters.strategy == "sampling";
+  if (section.given("sampling", sampling, why))
+    parameters.sampling = load_sampling(section.section("sampling"));
+  if (section.given("weights", heuristic || sampling, why)) {
     config::Section weights = section.section("weights");
     if (weights.given("roll", heuristic, why)) {
       parameters.roll = load_phase(weights, "roll", parameters);
       parameters.back = load_phase(weights, "return", parameters);
     }
-    if (weights.given("push", push, why))
-      parameters.push.weights = load_phase(weights, "push", parameters);
+    if (weights.given("push", sampling, why))
+      parameters.sampling.weights = load_phase(weights, "push", parameters);
   }
   if (section.given("heuristic", heuristic, "strategy time_heuristic"))
     parameters.heuristic = load_heuristic(section.section("heuristic"), parameters.model.bodies);

@@ -1,6 +1,7 @@
 #pragma once
 // Everything that the scenario says about the planner. Numbers live in YAML only; their ranges in
 // load_parameters.cpp.
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <set>
@@ -68,11 +69,34 @@ struct HeuristicParameters {
   double room_ahead = 0.0;     // a body with another one ahead and nearer than this has no room [m]
 };
 
-/// How a body is pushed to its goal.
-struct PushParameters {
-  double height = 0.0;      // of the end effector above the table [m]
-  double gap = 0.0;         // between its surface and the body's where C3 takes over [m]
-  double look_ahead = 0.0;  // the body is drawn no farther than this [m]
+/// The servo that a plan is tried with.
+struct ServoGains {
+  double stiffness;  // [N/m]
+  double damping;    // [N s/m]
+};
+
+/// How a body is moved from sampled places (strategy sampling).
+struct SamplingParameters {
+  double height = 0.0;                   // of the end effector above the table [m]
+  double clearance = 0.0;                // of a place from the body [m]
+  double look_ahead = 0.0;               // the body is drawn no farther than this [m]
+  double look_ahead_angle = 0.0;         // and is turned no farther [rad]
+  Eigen::Vector2d reach_min, reach_max;  // no place is outside this, in W [m]
+  int samples = 0;                       // places that are drawn in a period
+  int samples_to_choose = 0;             // and in one in which it stands and chooses
+  int least_drawn = 0;                   // before it chooses
+  double better = 0.0;                   // another place has to gain this many times more
+  double margin = 0.0;                   // and this part of what there is to gain
+  double retarget = 0.0;      // on the way, it has to cost less than this part of the one aimed at
+  double least_time = 0.0;    // at a place [s]
+  double headway = 0.0;       // what is left has to fall by this part
+  double headway_time = 0.0;  // within this time [s]
+  double valid_moved = 0.0, valid_turned = 0.0;  // a place counts until the body has [m, rad]
+  double speed = 0.0;                            // between places [m/s]
+  double acceleration = 0.0;                     // [m/s²]
+  double clear = 0.0;                            // from bodies on the way [m]
+  ServoGains servo{};
+  std::uint64_t seed = 1;
   PhaseWeights weights;
 };
 
@@ -109,7 +133,7 @@ struct Parameters {
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
   HeuristicParameters heuristic;
-  PushParameters push;
+  SamplingParameters sampling;
   ApproachParameters approach;
   task::Task task = task::Circle{};
   DeltaTcSource delta_t_c_source;

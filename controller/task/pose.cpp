@@ -99,7 +99,7 @@ const PoseGoal& Pose::due(const State& state) const noexcept {
 
 std::optional<Goal> Pose::goal(const State& state) const noexcept {
   const PoseGoal& now = due(state);
-  return Goal{body, now.at, now.yaw, now.position_tolerance};
+  return Goal{body, now.at, now.yaw, now.position_tolerance, now.angle_tolerance};
 }
 
 void Pose::advance(double elapsed, const Placement& placed, State& state) const noexcept {

@@ -52,6 +52,7 @@ struct Goal {
   Eigen::Vector2d at;         // in W [m]
   std::optional<double> yaw;  // about z; none: however it is turned [rad]
   double position_tolerance;  // [m]
+  double angle_tolerance;     // [rad]
 };
 
 /// What a task of several goals remembers. Whoever follows a task keeps it beside it; State{} is

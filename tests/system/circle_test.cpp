@@ -171,9 +171,9 @@ TEST_CASE("system: a box goes through plant, vision and planner to its goal pose
   REQUIRE(pushed.status == 0);
   const json& task = pushed.report.at("task");
   CHECK(task.at("goals_reached") == 1);
-  CHECK(task.at("goal_time_s").get<double>() < 10.0);
+  CHECK(task.at("goal_time_s").get<double>() < 40.0);
   CHECK(task.at("end_position_error_m").get<double>() < 0.01);
-  CHECK(task.at("end_angle_error_rad").get<double>() < 0.15);
-  // it began a tenth of a metre away
-  CHECK(pushed.report.at("objects").at(0).at("max_error_m").get<double>() > 0.09);
+  CHECK(task.at("end_angle_error_rad").get<double>() < 0.1);
+  // it began centimetres away, and turned by 2.5 rad
+  CHECK(pushed.report.at("objects").at(0).at("max_error_m").get<double>() > 0.03);
 }

@@ -3,14 +3,14 @@
 #include <stdexcept>
 
 #include "controller/planner/strategy/hold.hpp"
-#include "controller/planner/strategy/push.hpp"
+#include "controller/planner/strategy/sampling.hpp"
 #include "controller/planner/strategy/time_heuristic.hpp"
 
 namespace c3rt::planner {
 
 const std::vector<StrategyKind>& strategy_kinds() {
   static const std::vector<StrategyKind> kinds{
-      {"time_heuristic", make_time_heuristic}, {"push", make_push}, {"hold", make_hold}};
+      {"time_heuristic", make_time_heuristic}, {"sampling", make_sampling}, {"hold", make_hold}};
   return kinds;
 }
 

@@ -31,6 +31,8 @@ class TaskAtHand {
     at_hand().task.advance(now, scene, at_hand().state);
   }
 
+  bool begun() const { return at_hand().since >= 0.0; }
+
   const task::Task& task() const { return at_hand().task; }
   bool clients() const { return clients_.has_value(); }
   /// Since it began; 0 before [s].

@@ -127,11 +127,11 @@ TEST_CASE("strategy: the scenario names it, and one that there is not is refused
   for (const StrategyKind& kind : strategy_kinds()) {
     Parameters p = parameters();
     p.strategy = kind.name;
-    p.push.weights = p.roll;  // as a scenario with it has
+    p.sampling.weights = p.roll;  // as a scenario with it has
     CHECK_NOTHROW(Planner(p));
   }
   CHECK_THROWS_WITH(strategy_kind("chess"),
-                    "strategy: expected one of time_heuristic, push, hold, got \"chess\"");
+                    "strategy: expected one of time_heuristic, sampling, hold, got \"chess\"");
 }
 
 TEST_CASE("strategy: hold stays where the arm is, out of the way, and answers a lost state") {
@@ -265,5 +265,5 @@ TEST_CASE("scenario: a strategy that is not chosen needs no sections, and no oth
       config::read_scenario(config::Document::parse(
           text("chess"), C3RT_SOURCE_DIRECTORY "/config/scenarios/held.yaml")),
       Catch::Contains(
-          "planner.strategy: expected one of time_heuristic, push, hold, got \"chess\""));
+          "planner.strategy: expected one of time_heuristic, sampling, hold, got \"chess\""));
 }

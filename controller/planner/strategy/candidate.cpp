@@ -1,0 +1,63 @@
+#include "controller/planner/strategy/candidate.hpp"
+
+#include <stdexcept>
+
+#include "controller/lcs/servo.hpp"
+#include "controller/lcs/simulate.hpp"
+
+namespace c3rt::planner {
+
+Candidate::Candidate(const Parameters& parameters, const ServoGains& servo)
+    : c3_(parameters), lemke_(c3_.n_lambda()), N_(parameters.N) {
+  if (c3_.n_u() != 3)
+    throw std::invalid_argument(
+        "strategy sampling: expected a model with the force on the end "
+        "effector as its 3 inputs, got " +
+        std::to_string(c3_.n_u()));
+  const model::Layout& layout = c3_.model().layout();
+  K_.setZero(c3_.n_u(), c3_.n_x());
+  K_.middleCols<3>(layout.p_WE).diagonal().setConstant(servo.stiffness);
+  K_.middleCols<3>(layout.v_WE).diagonal().setConstant(servo.damping);
+  Q_.setZero(c3_.n_x());
+  planned_.setZero(c3_.n_x(), N_);
+  w_.setZero(c3_.n_u(), N_);
+  x_.setZero(c3_.n_x(), N_ + 1);
+  lambda_.setZero(c3_.n_lambda(), N_);
+}
+
+void Candidate::set_costs(const c3::Costs& costs) {
+  if (costs_ < 0) {
+    costs_ = c3_.add_costs(costs);
+  } else {
+    c3_.replace_costs(costs_, costs);
+  }
+  Q_.setZero();
+  const Eigen::VectorXd all = costs.Q[0].diagonal();
+  for (const model::StateBlock& block : c3_.model().layout().x) {
+    if (block.body >= 0) Q_.segment(block.start, block.size) = all.segment(block.start, block.size);
+  }
+}
+
+Worth Candidate::worth(const scene::Scene& from, const scene::Scene& desired) {
+  Worth worth;
+  for (int k = 0; k <= N_; ++k) c3_.want(k, desired, from);
+  if (c3_.plan(from, costs_, {}) == StepStatus::kFailed) return worth;
+  const c3::Solution& plan = *c3_.result().solution;
+  planned_.leftCols(N_ - 1) = plan.z.topRows(c3_.n_x()).rightCols(N_ - 1);
+  planned_.col(N_ - 1) = plan.x_N;
+  lcs::close_loop(c3_.planning_system(), K_, closed_, G_);
+  w_.noalias() = G_ * planned_;
+  if (!lcs::simulate(closed_, c3_.x_hat(), w_, lemke_, x_, lambda_).ok() || !x_.allFinite())
+    return worth;
+  const auto cost_of = [&](const auto& x, int k) {
+    return (x - c3_.x_desired().col(k)).cwiseAbs2().dot(Q_);
+  };
+  for (int k = 1; k <= N_; ++k) {
+    worth.cost += cost_of(x_.col(k), k);
+    worth.still += cost_of(c3_.x_hat(), k);
+  }
+  worth.known = true;
+  return worth;
+}
+
+}  // namespace c3rt::planner

@@ -1,0 +1,37 @@
+#pragma once
+// Places about a body where the end effector could begin to push.
+#include <optional>
+
+#include "controller/base/random.hpp"
+#include "controller/scene/scene.hpp"
+
+namespace c3rt::planner {
+
+/// What a place has to be.
+struct SampleRules {
+  double height;              // of the end effector, in W [m]
+  double clearance;           // from the body's surface [m]
+  double column;              // the way straight down to it is free by this [m]
+  double top;                 // where that way begins, in W [m]
+  Eigen::AlignedBox2d reach;  // of the end effector, in W [m]
+};
+
+/// How far a body reaches from its origin in a direction of W: an upper bound that is millimetres
+/// from the truth [m].
+double extent(const scene::Body& body, const Eigen::Vector3d& direction) noexcept;
+
+/// The top of the highest body, in W [m].
+double top_of(const scene::Scene& scene) noexcept;
+
+/// Whether the end effector can come straight down to a place.
+bool column_is_free(const scene::Scene& scene, const SampleRules& rules,
+                    const Eigen::Vector3d& place) noexcept;
+
+/// A random point about the body, moved to the clearance of its surface. Points all over the disc
+/// that holds the body fall on its faces rather than on its corners. None if no point of a few
+/// tries can be used.
+std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int body,
+                                              const SampleRules& rules,
+                                              base::Random& random) noexcept;
+
+}  // namespace c3rt::planner
