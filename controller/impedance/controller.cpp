@@ -16,6 +16,10 @@ constexpr double kFastest = 10.0;       // [m/s]
 constexpr double kStrongest = 200.0;    // [N]
 constexpr double kLongestAhead = 10.0;  // of a knot, from the plan's stamp [s]
 // of a joint's velocity limit: from here the reference asks for less, from there for nothing
+constexpr double kNew = 2.5;  // cycles: so old a robot state may be for the law to act on it
+// and below this one, with the law's own torque for so many cycles in a row, the arm stands
+constexpr double kStandingJoint = 0.1;
+constexpr int kStandingCycles = 10;
 constexpr double kFastJoint = 0.5, kTooFastJoint = 0.8;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
@@ -67,10 +71,15 @@ Eigen::Quaterniond turn_towards(const Eigen::Quaterniond& from, const Eigen::Qua
   return angle <= step ? to : from.slerp(step / angle, to).normalized();
 }
 
+/// Of its velocity limit.
+double fastest_joint(const Vector7d& dq, const Vector7d& dq_max) noexcept {
+  return (dq.array().abs() / dq_max.array()).maxCoeff();
+}
+
 /// 1 while every joint is well within its velocity limit, 0 near it.
 double ease(const Vector7d& dq, const Vector7d& dq_max) noexcept {
-  const double fastest = (dq.array().abs() / dq_max.array()).maxCoeff();
-  return std::clamp((kTooFastJoint - fastest) / (kTooFastJoint - kFastJoint), 0.0, 1.0);
+  return std::clamp((kTooFastJoint - fastest_joint(dq, dq_max)) / (kTooFastJoint - kFastJoint), 0.0,
+                    1.0);
 }
 
 /// The error that the law answers with an acceleration.
@@ -138,7 +147,9 @@ Output Controller::step(const Input& input) noexcept {
   if (mode_ != Mode::kWait) {
     const bool state_usable = fault_ != StateFault::kNotFinite && !old_state_;
     Vector7d wanted = Vector7d::Zero();
-    if (state_usable) {
+    if (state_usable && !new_state_ && mode_ != Mode::kStop) {
+      wanted = tau_;  // a law whose arm seems to stand still pulls it the harder
+    } else if (state_usable) {
       arm_.update(input.q, input.dq, state_);
       if (mode_ == Mode::kStop) rest_here();
       // an old velocity damps nothing, so without a usable state the torque fades out instead
@@ -191,6 +202,7 @@ void Controller::change_mode(const Input& input) noexcept {
   fault_ = judge_state(input, parameters_.limits);
   stale_cycles_ = fault_ == StateFault::kStale ? stale_cycles_ + 1 : 0;
   const double longest = kPatience * parameters_.period;
+  new_state_ = seconds_between(input.state_stamp_ns, input.now_ns) <= kNew * parameters_.period;
   old_state_ = seconds_between(input.state_stamp_ns, input.now_ns) > longest;
   const double pause = seconds_between(previous_now_ns_, input.now_ns);
   away_ = away_ || old_state_ || (previous_now_ns_ != 0 && pause > longest);
@@ -213,6 +225,7 @@ void Controller::change_mode(const Input& input) noexcept {
   }
   if (mode_ != Mode::kStop) stop_reason_ = StopReason::kNone;
   if (mode_ != before || away_) catches_up_ = true;
+  if (away_) brakes_ = true;
   if (before == Mode::kTrack && mode_ == Mode::kHold && plan_verdict_ == PlanVerdict::kStale) {
     ++counters_.stale_plan_events;
   }
@@ -321,8 +334,18 @@ void Controller::move_reference(const Input& input) noexcept {
     ++counters_.plan_clamps;
 }
 
+bool Controller::stands(const Input& input) const noexcept {
+  return own_torque_cycles_ >= kStandingCycles &&
+         fastest_joint(input.dq, parameters_.limits.dq_max) < kStandingJoint;
+}
+
 Vector7d Controller::law_torque(const Input& input) noexcept {
-  move_reference(input);
+  brakes_ = brakes_ && !stands(input);
+  if (brakes_) {
+    rest_here();
+  } else {
+    move_reference(input);
+  }
   const Torque wanted = torque(parameters_.gains, state_, input.q, input.dq, reference_);
   const Vector7d change = wanted.of_goal - tau_of_goal_;
   const double largest = change.cwiseAbs().maxCoeff();
@@ -342,6 +365,7 @@ Vector7d Controller::limited(const Vector7d& wanted) noexcept {
   const double step = limits.tau_rate_max * parameters_.period;
   const Vector7d change = clamped - tau_;
   const double largest = change.cwiseAbs().maxCoeff();
+  own_torque_cycles_ = largest <= step ? own_torque_cycles_ + 1 : 0;
   if (largest <= step) {
     catches_up_ = false;
     return clamped;

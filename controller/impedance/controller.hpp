@@ -49,11 +49,12 @@ struct Input {
   bool recover = false;
 };
 
-/// Cycles for which the law acts on the last robot state; the robot itself forgives as many lost
-/// commands. After them the torque fades out and the arm coasts: a law that acts on a state that
-/// does not change drives the arm away. For as many in a row the state may be too old before that
-/// is a fault: after a pause of the whole machine the first one at hand is old, the next ones are
-/// not. Then nothing is sent until states come again, so that the robot stops the arm by itself.
+/// Cycles without a new robot state for which the torque stays as it was; the robot itself forgives
+/// as many lost commands. After them it fades out and the arm coasts: a law that acts on a state
+/// that does not change drives the arm away. For as many in a row the state may be too old before
+/// that is a fault: after a pause of the whole machine the first one at hand is old, the next ones
+/// are not. Then nothing is sent until states come again, so that the robot stops the arm by
+/// itself.
 constexpr int kPatience = 20;
 
 /// Good robot states in a row after which a controller that recovers alone goes on.
@@ -114,6 +115,10 @@ struct Output {
 /// leads the arm by more than the limits allow. So whatever a plan asks, the arm is asked for no
 /// more than it can give; near the joints' velocity limits for less and less.
 ///
+/// After cycles or states that were missing the arm swings: nothing damped it. It is brought to
+/// rest first; a reference that went on at once would feed a swing that the torque, whose rate is
+/// limited, follows too late to damp.
+///
 /// The torque changes at most by tau_rate_max * period per cycle. Where what the plan asks changes
 /// faster, and for all of it after a gap or a change of mode, all joints change in proportion: else
 /// the joints that need little torque would have theirs before those that need much, which turns
@@ -139,6 +144,7 @@ class Controller {
   bool recovers(bool asked) noexcept;
   Goal target(const Input& input) noexcept;
   void move_reference(const Input& input) noexcept;
+  bool stands(const Input& input) const noexcept;
   Vector7d law_torque(const Input& input) noexcept;
   Vector7d limited(const Vector7d& wanted) noexcept;
 
@@ -152,6 +158,7 @@ class Controller {
   StateFault fault_ = StateFault::kNone;
   int stale_cycles_ = 0, good_cycles_ = 0, steady_cycles_ = 0;  // in a row
   std::int64_t previous_now_ns_ = 0;
+  bool new_state_ = false;  // of this cycle or the one before
   bool old_state_ = false;  // older than the law may act on
   bool away_ = false;       // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
@@ -160,7 +167,9 @@ class Controller {
   Goal reference_;
   Vector7d tau_of_goal_ = Vector7d::Zero();
   Vector7d tau_ = Vector7d::Zero();
-  bool catches_up_ = false;  // after a gap or a change of mode: the torque is not yet the law's
+  bool catches_up_ = false;    // after a gap or a change of mode: the torque is not yet the law's
+  bool brakes_ = false;        // after a gap: the arm has not come to rest yet
+  int own_torque_cycles_ = 0;  // in a row: the torque was the law's
   Counters counters_;
 };
 

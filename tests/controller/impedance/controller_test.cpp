@@ -479,6 +479,36 @@ TEST_CASE("controller: a stop brakes the moving arm, with or without a plan") {
   CHECK(loop.dq.dot(loop.state.M * loop.dq) < 1e-3 * energy);
 }
 
+TEST_CASE(
+    "controller: after states that were missing the arm is brought to rest before it goes on") {
+  Loop loop(parameters());
+  const auto plan = [](int k) {
+    Input input = with_plan(k * kMs, kStart + Vector3d(0, 0.2 * k * 1e-3, 0));
+    input.plan.knots[0].v_WE << 0, 0.2, 0;
+    return input;
+  };
+  int k = 1;
+  for (; k <= 200; ++k) loop.step(plan(k));
+  const std::int64_t last = 200 * kMs;
+  for (; k <= 260; ++k) {
+    Input input = plan(k);
+    input.state_stamp_ns = last;
+    loop.step(input);
+  }
+  // it coasts; the reference begins where the arm is, and stays there
+  REQUIRE(loop.state.V_WE.head<3>().norm() > 0.1);
+  int braking = 0;
+  while (loop.step(plan(k++)).p_WE_desired == Vector3d(loop.state.X_WE.translation())) {
+    ++braking;
+    REQUIRE(braking < 1000);
+  }
+  CHECK(braking > 10);
+  const Limits limits = parameters().limits;
+  CHECK((loop.dq.array().abs() / limits.dq_max.array()).maxCoeff() < 0.11);
+  for (int i = 0; i < 500; ++i) loop.step(plan(k++));
+  CHECK(loop.state.V_WE.y() > 0.1);  // and goes on
+}
+
 TEST_CASE("controller: without a usable state the torque fades to zero") {
   Controller controller = make(parameters());
   Output output{};
@@ -490,7 +520,8 @@ TEST_CASE("controller: without a usable state the torque fades to zero") {
     Input old = with_plan((100 + k) * kMs);
     old.state_stamp_ns = 100 * kMs;
     output = controller.step(old);
-    // at first it acts on the last state; long before it stops, no more
+    // at first it stays as it was; long before the controller stops it fades
+    if (k > 2 && k <= kPatience) CHECK(output.tau.norm() == before);
     if (k > kPatience) CHECK(output.tau.norm() <= before);
     if (k == 3 * kPatience) CHECK(output.tau == Vector7d::Zero());
     CHECK((output.mode == Mode::kStop) == (k > 100 + kPatience));
