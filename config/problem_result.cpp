@@ -1,6 +1,3 @@
-#include <sstream>
-
-#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "config/problem_file.hpp"
@@ -67,29 +64,20 @@ const char* why(c3::QpStatus status) {
 
 /// Why the projection of a stage has no point.
 std::string why_no_point(const ProblemFile& problem, const c3::ProjectionReport& report, int k) {
-  const c3::ProjectionKind kind = problem.settings.projection;
+  const c3::ProjectionType& type = c3::projection_type(problem.settings.projection);
+  if (type.why_no_point != nullptr) {
+    const std::string own =
+        type.why_no_point(report, problem.settings, problem.costs, system(problem, k));
+    if (!own.empty()) return own;
+  }
   switch (report.status) {
     case c3::ProjectionStatus::kEmpty:
-      return kind == c3::ProjectionKind::kMiqp
-                 ? "the set that the projection is onto is empty"
-                 : "the set that the projection is onto is empty: no x, u and lambda >= 0 have "
-                   "E x + F lambda + H u + c >= 0";
+      return "the set that the projection is onto is empty: no x, u and lambda >= 0 have "
+             "E x + F lambda + H u + c >= 0";
     case c3::ProjectionStatus::kNotFound:
-      if (kind == c3::ProjectionKind::kLcp) return "Lemke's method finds no solution of the LCP";
-      return kind == c3::ProjectionKind::kMiqp && report.nodes >= problem.settings.max_nodes
-                 ? "the projection's search ended at max_nodes = " +
-                       std::to_string(problem.settings.max_nodes) + " before it found a point"
-                 : "the projection's search ended in rounding before it found a point";
-    case c3::ProjectionStatus::kNotConvex: {
-      const lcs::Lcs& lcs = system(problem, k);
-      const MatrixXd twice = lcs.F + lcs.F.transpose();
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(twice, Eigen::EigenvaluesOnly);
-      std::ostringstream text;
-      text << "the convex projection needs F + eps I positive semidefinite, its smallest "
-              "eigenvalue is "
-           << 0.5 * eigen.eigenvalues()[0] + problem.costs.convex.epsilon;
-      return text.str();
-    }
+      return "the projection's search ended in rounding before it found a point";
+    case c3::ProjectionStatus::kNotConvex:
+      return "the projection is not convex";
     case c3::ProjectionStatus::kInaccurate:
       return "of the projection's point no digits are left: weights or units lie too far apart";
     case c3::ProjectionStatus::kNotFinite:

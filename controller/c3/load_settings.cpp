@@ -31,10 +31,11 @@ Settings load_settings(config::Section section) {
   std::vector<std::string> projections;
   for (const auto type : kProjectionTypes) projections.emplace_back(type().key);
   settings.projection = kProjectionTypes[section.choice("projection", projections)]().kind;
-  const bool searches = settings.projection == ProjectionKind::kMiqp;
-  settings.max_nodes = section.given("max_nodes", searches, "projection miqp")
-                           ? section.integer("max_nodes", {1, 1e6})
-                           : 1;
+  const ProjectionType& type = projection_type(settings.projection);
+  settings.max_nodes =
+      section.given("max_nodes", type.has_nodes, std::string("projection ") + type.key)
+          ? section.integer("max_nodes", {1, 1e6})
+          : 1;
   if (section.given("osqp", settings.qp == QpBackend::kOsqp, "qp osqp"))
     settings.osqp = load_osqp(section.section("osqp"));
   return settings;

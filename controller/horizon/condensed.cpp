@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "controller/qp/bound.hpp"
+
 namespace c3rt::horizon {
 namespace {
 
@@ -86,8 +88,8 @@ struct Rows {
   void add(const MatrixXd& rows, const VectorXd& offset, const VectorXd& terms,
            const VectorXd& minimum, const VectorXd& maximum) {
     for (Index i = 0; i < rows.rows(); ++i) {
-      add(rows.row(i), offset[i], terms[i], minimum.size() == 0 ? -INFINITY : minimum[i],
-          maximum.size() == 0 ? INFINITY : maximum[i]);
+      add(rows.row(i), offset[i], terms[i], qp::bound_at(minimum, i, -INFINITY),
+          qp::bound_at(maximum, i, INFINITY));
     }
   }
 };
@@ -158,8 +160,9 @@ Condensed condense(const Problem& problem, const std::vector<Side>& zero) {
     for (Index i = 0; i < C.rows(); ++i) {
       if (k == 0 && C.row(i).tail(n_lambda + n_u).isZero(0.0)) continue;
       rows.add(Z.transpose() * C.row(i).transpose(), C.row(i).dot(z),
-               C.row(i).cwiseAbs().dot(z.cwiseAbs()), constraints.C_min[k][i],
-               constraints.C_max[k][i]);
+               C.row(i).cwiseAbs().dot(z.cwiseAbs()),
+               qp::bound_at(constraints.C_min[k], i, -INFINITY),
+               qp::bound_at(constraints.C_max[k], i, INFINITY));
     }
 
     x_terms = lcs.A.cwiseAbs() * x_terms + lcs.B.cwiseAbs() * input.cwiseAbs() +

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/qp/bound.hpp"
+
 namespace c3rt::horizon {
 
 Eigen::VectorXd next_state(const Problem& problem, const Plan& plan, int k) {
@@ -53,14 +55,15 @@ class Worst {
     const double ratio = value == 0.0 ? 0.0 : std::abs(value) / terms;
     worst_ = std::isnan(ratio) ? kNone : std::max(worst_, ratio);
   }
+  void within(double value, double terms, double minimum, double maximum) {
+    if (minimum > -kNone) at_least_zero(value - minimum, terms + std::abs(minimum));
+    if (maximum < kNone) at_least_zero(maximum - value, terms + std::abs(maximum));
+  }
   /// An empty bound is none.
   void within(const Eigen::VectorXd& value, const Eigen::VectorXd& terms,
               const Eigen::VectorXd& minimum, const Eigen::VectorXd& maximum) {
     for (Eigen::Index i = 0; i < value.size(); ++i) {
-      if (minimum.size() > 0 && minimum[i] > -kNone)
-        at_least_zero(value[i] - minimum[i], terms[i] + std::abs(minimum[i]));
-      if (maximum.size() > 0 && maximum[i] < kNone)
-        at_least_zero(maximum[i] - value[i], terms[i] + std::abs(maximum[i]));
+      within(value[i], terms[i], qp::bound_at(minimum, i, -kNone), qp::bound_at(maximum, i, kNone));
     }
   }
   double value() const { return worst_; }
@@ -109,9 +112,9 @@ double residual(const Problem& problem, const Plan& plan) {
     const Eigen::MatrixXd& C = constraints.C[k];
     for (Eigen::Index i = 0; i < C.rows(); ++i) {
       if (k == 0 && C.row(i).tail(n_lambda + n_u).isZero(0.0)) continue;
-      const Eigen::VectorXd terms = C.row(i).cwiseAbs() * z_sizes;
-      worst.within(C.row(i) * z, terms, constraints.C_min[k].segment(i, 1),
-                   constraints.C_max[k].segment(i, 1));
+      worst.within(C.row(i).dot(z), C.row(i).cwiseAbs().dot(z_sizes),
+                   qp::bound_at(constraints.C_min[k], i, -kNone),
+                   qp::bound_at(constraints.C_max[k], i, kNone));
     }
     const Eigen::VectorXd missed = plan.x.col(k + 1) - next_state(problem, plan, k);
     const Eigen::VectorXd next_sizes =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "controller/horizon/modes.hpp"
+#include "controller/qp/branch_and_bound.hpp"
 #include "controller/qp/node_qp.hpp"
 
 namespace c3rt::horizon {
@@ -49,7 +50,9 @@ class Search {
     qp::NodeQp& root = node(0).qp;
     root.start(node(0).centre.t);
     for (const int row : condensed_.equalities) root.pin(row);
-    explore(0, 0.0);  // costs are sums of squares
+    qp::BranchAndBound<Search> tree(*this, n_, settings_.max_nodes);
+    tree.run(0.0);  // costs are sums of squares
+    result_.nodes = tree.nodes();
     // what was left unsearched is not cheaper than `open_`, what was pruned than the pruning bound
     result_.lower_bound = std::min(open_, prune_above());
     if (result_.plan) {
@@ -58,8 +61,9 @@ class Search {
     }
     if (result_.plan && result_.gap <= settings_.relative_gap * (1.0 + 1e-9)) {
       result_.status = SearchStatus::kOptimal;
-    } else if (limit_) {
-      result_.status = *limit_;
+    } else if (tree.limit()) {
+      result_.status = tree.limit() == qp::SearchLimit::kNodes ? SearchStatus::kNodeLimit
+                                                               : SearchStatus::kDeadline;
     } else if (!result_.plan && open_ == kInfinity) {
       result_.status = SearchStatus::kInfeasible;
     }
@@ -67,13 +71,15 @@ class Search {
   }
 
  private:
+  friend class qp::BranchAndBound<Search>;
+
   struct Node {
     qp::NodeQp qp;
     LeastDistance::Centre centre;
   };
 
-  Node& node(std::size_t level) {
-    while (nodes_.size() <= level) {
+  Node& node(int level) {
+    while (static_cast<int>(nodes_.size()) <= level) {
       nodes_.push_back(
           std::make_unique<Node>(Node{qp::NodeQp(condensed_.H.rows(), condensed_.J.rows()), {}}));
     }
@@ -94,6 +100,19 @@ class Search {
     return result_.plan->objective - settings_.relative_gap * cost_scale();
   }
 
+  bool struck() const { return deadline_.struck(); }
+  const qp::NodeQp& relaxation(int level) { return node(level).qp; }
+  /// That of the node, which stands for both of its sides.
+  static double side_bound(int, int) { return 0.0; }
+
+  void descend(int level, int side) {
+    Node& here = node(level);
+    Node& next = node(level + 1);
+    next.qp.copy_from(here.qp);
+    next.centre = here.centre;
+    next.qp.pin(side);
+  }
+
   /// Nothing more is known of what is below a node than its bound.
   void leave_open(double bound) { open_ = std::min(open_, bound); }
 
@@ -109,13 +128,18 @@ class Search {
     here.qp.restart(least_.C(), here.centre.t);
   }
 
+  /// What is not solved, or solved without a plan as cheap as its bound, stays open.
+  qp::Expansion open(double bound) {
+    leave_open(bound);
+    return {bound, -1};
+  }
+
+  qp::ViolatedPair violated(const Node& here) const {
+    return qp::most_violated_pair(here.qp, n_, 0.0);
+  }
+
   /// @param bound  a lower bound of everything below this node
-  void explore(std::size_t level, double bound) {
-    if (bound >= prune_above()) return;
-    if (!limit_ && result_.nodes >= settings_.max_nodes) limit_ = SearchStatus::kNodeLimit;
-    if (!limit_ && deadline_.struck()) limit_ = SearchStatus::kDeadline;
-    if (limit_) return leave_open(bound);
-    ++result_.nodes;
+  qp::Expansion expand(int level, double bound) {
     Node& here = node(level);
     for (int i = 0;; ++i) {
       // the last time whatever it costs: where the curvature is what costs, there may be more below
@@ -123,50 +147,23 @@ class Search {
       const auto status = solve(here, last ? kInfinity : prune_above());
       if (status == qp::NodeQp::Status::kInfeasible) {
         bound = std::max(bound, least_.infeasible_below(here.centre, here.qp, prune_above()));
-        return bound >= prune_above() ? void() : leave_open(bound);
+        return bound >= prune_above() ? qp::Expansion{bound, -1} : open(bound);
       }
-      if (status == qp::NodeQp::Status::kStuck) return leave_open(bound);
+      if (status == qp::NodeQp::Status::kStuck) return open(bound);
       const LeastDistance::Bound lower = least_.lower_bound(here.centre, here.qp, prune_above());
       bound = std::max(bound, lower.value);
-      if (bound >= prune_above()) return;
+      if (bound >= prune_above()) return {bound, -1};
       const bool solved = status == qp::NodeQp::Status::kSolved;
-      if (solved && least_complementary(here.qp).smaller <= kComplementary * magnitude_) {
+      if (solved && violated(here).smaller <= kComplementary * magnitude_) {
         leaf(here);
-        if (bound >= prune_above()) return;
+        if (bound >= prune_above()) return {bound, -1};
       }
-      if (last ||
-          (solved && cost_of(here) < prune_above() && least_complementary(here.qp).pair >= 0))
-        break;
+      if (last || (solved && cost_of(here) < prune_above() && violated(here).pair >= 0)) break;
       move(here, lower.v);
     }
-
-    const int pair = least_complementary(here.qp).pair;
-    if (pair < 0) return leave_open(bound);  // complementary, but no plan as cheap as the bound
-    const VectorXd& s = here.qp.s();
-    const int first = s[pair] <= s[n_ + pair] ? pair : n_ + pair;
-    for (const int side : {first, first == pair ? n_ + pair : pair}) {
-      Node& next = node(level + 1);
-      next.qp.copy_from(here.qp);
-      next.centre = here.centre;
-      next.qp.pin(side);
-      explore(level + 1, bound);
-    }
-  }
-
-  /// The pair whose smaller side is the largest, of those not decided yet; −1 if none is above
-  /// zero.
-  struct Violation {
-    int pair = -1;
-    double smaller = 0.0;
-  };
-  Violation least_complementary(const qp::NodeQp& qp) const {
-    Violation worst;
-    for (int i = 0; i < n_; ++i) {
-      if (qp.is_pinned(i) || qp.is_pinned(n_ + i)) continue;  // what is left there is rounding
-      const double smaller = std::min(qp.s()[i], qp.s()[n_ + i]);
-      if (smaller > worst.smaller) worst = {i, smaller};
-    }
-    return worst;
+    const int pair = violated(here).pair;
+    if (pair < 0) return open(bound);  // complementary, but no plan as cheap as the bound
+    return {bound, pair};
   }
 
   void leaf(const Node& here) {
@@ -195,7 +192,6 @@ class Search {
   qp::NodeQp scratch_;
   LeastDistance::Centre scratch_centre_;
   SearchResult result_;
-  std::optional<SearchStatus> limit_;  // what ended the search early
   double open_ = kInfinity;
 };
 

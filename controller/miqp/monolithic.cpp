@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "controller/horizon/modes.hpp"
+#include "controller/qp/bound.hpp"
 
 namespace c3rt::miqp {
 namespace {
@@ -158,8 +159,10 @@ class Builder {
       const VectorXd known = put_x(row, k, C.row(i).head(sizes_.n_x));
       put(rows_.A, row, at_.lambda(k), C.row(i).segment(sizes_.n_x, sizes_.n_lambda));
       put(rows_.A, row, at_.u(k), C.row(i).tail(sizes_.n_u));
-      rows_.bound(constraints.C_min[k].segment(i, 1) - known,
-                  constraints.C_max[k].segment(i, 1) - known);
+      const auto bound = [&](const VectorXd& side, double none) -> VectorXd {
+        return VectorXd::Constant(1, qp::bound_at(side, i, none)) - known;
+      };
+      rows_.bound(bound(constraints.C_min[k], -kInfinity), bound(constraints.C_max[k], kInfinity));
     }
   }
 
@@ -173,6 +176,7 @@ class Builder {
 };
 
 double largest_force_or_gap(const horizon::Problem& problem, const horizon::Plan& plan) {
+  if (problem.sizes.n_lambda == 0) return 0.0;
   double largest = plan.lambda.maxCoeff();
   for (int k = 0; k < problem.sizes.N; ++k) {
     const lcs::Lcs& lcs = problem.systems[k];

@@ -7,6 +7,7 @@
 
 #include <osqp.h>
 
+#include "controller/qp/bound.hpp"
 #include "controller/qp/qp.hpp"
 
 namespace c3rt::qp {
@@ -46,10 +47,6 @@ struct Sparse {
 };
 
 constexpr double kMargin = 2.0;  // of its tolerance, within which an answer of OSQP is taken
-
-double bound_at(const VectorXd& bound, int i, double none) {
-  return bound.size() == 0 ? none : bound[i];
-}
 
 /// Variables [z_0; …; z_{N−1}; x_N]; rows: x_0 = x0, then the N steps, then what is bounded. What
 /// OSQP calls solved is checked; where that does not hold, where OSQP says that the constraints
@@ -273,8 +270,8 @@ class OsqpQp final : public QpStep {
       first_row_[k] = static_cast<int>(lower_.size());
       for (Eigen::Index row = 0; row < C_[k].rows(); ++row) {
         const bool of_x_0 = k == 0 && C_[k].row(row).tail(n_z - n_x).isZero(0.0);
-        add(of_x_0 ? -kNone : bound_at(c.C_min[k], static_cast<int>(row), -kNone),
-            of_x_0 ? kNone : bound_at(c.C_max[k], static_cast<int>(row), kNone));
+        add(of_x_0 ? -kNone : bound_at(c.C_min[k], row, -kNone),
+            of_x_0 ? kNone : bound_at(c.C_max[k], row, kNone));
       }
     }
     first_lambda_0_ = bound_row_[n_x];

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/qp/bound.hpp"
+
 namespace c3rt::qp {
 namespace {
 
@@ -11,10 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-
-double at(const VectorXd& bound, Eigen::Index i, double none) {
-  return bound.size() == 0 ? none : bound[i];
-}
 
 }  // namespace
 
@@ -31,7 +29,7 @@ void QpRows::set(const Constraints& c) {
     for (Eigen::Index row = 0; row < c.C[k].rows(); ++row) {
       const VectorXd a = c.C[k].row(row);
       if (k == 0 && a.tail(sizes_.n_z() - n_x).isZero(0.0)) continue;  // x_0 is given
-      add_general(k, a, at(c.C_min[k], row, -kNone), at(c.C_max[k], row, kNone));
+      add_general(k, a, bound_at(c.C_min[k], row, -kNone), bound_at(c.C_max[k], row, kNone));
     }
   }
   add_bounds(sizes_.N, 0, c.x_N_min, c.x_N_max);
@@ -62,7 +60,7 @@ void QpRows::find_neighbours() {
 
 void QpRows::add_bounds(int k, int first, const VectorXd& lower, const VectorXd& upper) {
   for (Eigen::Index i = 0; i < std::max(lower.size(), upper.size()); ++i) {
-    const double l = at(lower, i, -kNone), u = at(upper, i, kNone);
+    const double l = bound_at(lower, i, -kNone), u = bound_at(upper, i, kNone);
     if (l > -kNone || u < kNone) rows_.push_back({k, first + static_cast<int>(i), -1, l, u});
   }
 }

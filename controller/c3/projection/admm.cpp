@@ -24,8 +24,7 @@ using Eigen::VectorXd;
 using qp::NodeQp;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFeasible = 1e-11;  // of the largest normalised |s| at v
-constexpr double kInSet = 1e-12;     // the same, for a copy that needs no further turn
+constexpr double kInSet = 1e-12;  // the same, for a copy that needs no further turn
 
 /// In coordinates δ = v + T h in which both the norm of U is ‖h‖ and the constraint λᵀ y = 0 is
 /// q_0 + gᵀ h + hᵀ diag(curvature) h = 0, one turn is

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "controller/c3/consensus.hpp"
 #include "controller/c3/projection.hpp"
@@ -21,7 +24,6 @@ using qp::NodeQp;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSingular = 1e-13;   // of the diagonal's entry: a pivot that counts as none
 constexpr double kZeroWeight = 1e-8;  // of the diagonal's entry, for F without full rank
-constexpr double kFeasible = 1e-11;   // of the largest normalised |s| at v
 
 /// With S = sym F + ε I the cost in λ is ½ ‖λ − α v_λ‖²_S and a constant, so that all of it is the
 /// distance from [v_x; α v_λ; v_u] in the norm of W = blkdiag(Q_x, S, Q_u) = L Lᵀ. With
@@ -162,6 +164,17 @@ void check_convex(const Costs& costs, const Sizes& sizes) {
   }
 }
 
+std::string why_not_convex(const ProjectionReport& report, const Settings&, const Costs& costs,
+                           const lcs::Lcs& lcs) {
+  if (report.status != ProjectionStatus::kNotConvex) return "";
+  const MatrixXd twice = lcs.F + lcs.F.transpose();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(twice, Eigen::EigenvaluesOnly);
+  std::ostringstream text;
+  text << "the convex projection needs F + eps I positive semidefinite, its smallest eigenvalue is "
+       << 0.5 * eigen.eigenvalues()[0] + costs.convex.epsilon;
+  return text.str();
+}
+
 std::vector<ProjectionWeight> convex_weights() {
   using Shape = ProjectionWeight::Shape;
   ProjectionWeight Q_x{"Q_x", "Qx", Shape::kOfStates}, Q_u{"Q_u", "Qu", Shape::kOfInputs};
@@ -190,7 +203,8 @@ const ProjectionType& convex_projection() {
       make_consensus,
       check_convex,
       nullptr,
-      convex_weights()};
+      convex_weights(),
+      why_not_convex};
   return type;
 }
 

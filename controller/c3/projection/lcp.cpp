@@ -48,6 +48,17 @@ std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes) {
   return std::make_unique<LcpProjection>(sizes);
 }
 
+namespace {
+
+std::string why_no_point(const ProjectionReport& report, const Settings&, const Costs&,
+                         const lcs::Lcs&) {
+  return report.status == ProjectionStatus::kNotFound
+             ? "Lemke's method finds no solution of the LCP"
+             : "";
+}
+
+}  // namespace
+
 const ProjectionType& lcp_projection() {
   static const ProjectionType type{
       ProjectionKind::kLcp,
@@ -56,7 +67,11 @@ const ProjectionType& lcp_projection() {
       true,
       false,
       [](const Sizes& sizes, const Settings&) { return make_lcp_projection(sizes); },
-      make_consensus};
+      make_consensus,
+      nullptr,
+      nullptr,
+      {},
+      why_no_point};
   return type;
 }
 

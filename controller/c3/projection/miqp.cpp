@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -9,6 +10,7 @@
 #include "controller/c3/projection.hpp"
 #include "controller/c3/projection/pair_rows.hpp"
 #include "controller/c3/solver.hpp"
+#include "controller/qp/branch_and_bound.hpp"
 #include "controller/qp/node_qp.hpp"
 
 namespace c3rt::c3 {
@@ -19,7 +21,6 @@ using Eigen::VectorXd;
 using qp::NodeQp;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFeasible = 1e-11;       // of the largest normalised |s| at v
 constexpr double kComplementary = 1e-10;  // the same, for the smaller side of a pair
 constexpr double kRounding = 1e-14;       // the same, for that side after the last polish
 constexpr double kSameObjective = 1e-12;  // a bound this close to the best cannot improve it
@@ -66,72 +67,61 @@ class MiqpProjection final : public Projection {
     rows_.evaluate(v);
     magnitude_ = rows_.largest;
     best_objective_ = kInfinity;
-    n_nodes_ = 0;
     stuck_ = false;
-    stopped_by_ = ProjectionStatus::kSolved;
     deadline_ = &deadline;
 
     nodes_[0].start(rows_.t);
-    explore(0);
-    const bool whole = stopped_by_ == ProjectionStatus::kSolved && !stuck_;
+    qp::BranchAndBound<MiqpProjection> search(*this, n_, max_nodes_);
+    search.run(0.0);
+    const long n_nodes = search.nodes();
     if (best_objective_ == kInfinity) {
-      return {whole ? ProjectionStatus::kEmpty : ProjectionStatus::kNotFound, n_nodes_, 0.0};
-    }
-    if (stuck_ && stopped_by_ == ProjectionStatus::kSolved) {
-      stopped_by_ = ProjectionStatus::kNodeLimit;
+      const bool whole = !search.limit() && !stuck_;
+      return {whole ? ProjectionStatus::kEmpty : ProjectionStatus::kNotFound, n_nodes, 0.0};
     }
     const double objective = finish(delta);
     if (!rows_.holds(v, delta)) {  // weights or units too far apart for the digits of δ
       delta = v;
-      return {ProjectionStatus::kInaccurate, n_nodes_, 0.0};
+      return {ProjectionStatus::kInaccurate, n_nodes, 0.0};
     }
-    return {stopped_by_, n_nodes_, objective};
+    const bool deadline_struck = search.limit() == qp::SearchLimit::kDeadline;
+    const auto status = deadline_struck            ? ProjectionStatus::kDeadline
+                        : search.limit() || stuck_ ? ProjectionStatus::kNodeLimit
+                                                   : ProjectionStatus::kSolved;
+    return {status, n_nodes, objective};
   }
 
  private:
-  /// Solves the QP of nodes_[level] and searches below it.
-  void explore(int level) noexcept {
-    if (stopped_by_ != ProjectionStatus::kSolved) return;
-    if (n_nodes_ >= max_nodes_) {
-      stopped_by_ = ProjectionStatus::kNodeLimit;
-      return;
-    }
-    if (deadline_->struck()) {
-      stopped_by_ = ProjectionStatus::kDeadline;
-      return;
-    }
-    ++n_nodes_;
+  friend class qp::BranchAndBound<MiqpProjection>;
+
+  /// A bound this close to the best cannot improve it.
+  double prune_above() const noexcept { return best_objective_ * (1.0 - kSameObjective); }
+  bool struck() const noexcept { return deadline_->struck(); }
+  const NodeQp& relaxation(int level) const noexcept { return nodes_[level]; }
+  void leave_open(double) const noexcept {}  // the search knows what ended it
+
+  qp::Expansion expand(int level, double) noexcept {
     NodeQp& node = nodes_[level];
-    const double bound = best_objective_ * (1.0 - kSameObjective);
+    const double bound = prune_above();
     const NodeQp::Status status = node.solve(rows_.C, rows_.t, kFeasible * magnitude_, bound);
     if (status == NodeQp::Status::kStuck) stuck_ = true;  // its subtree is lost, not searched
-    if (status != NodeQp::Status::kSolved || node.objective() >= bound) return;
-
-    // the pair whose cheaper side costs most to bring to zero
-    int pair = -1;
-    double largest = kComplementary * magnitude_;
-    for (int i = 0; i < n_; ++i) {
-      const double smaller = std::min(node.s()[i], node.s()[n_ + i]);
-      if (smaller > largest) {
-        largest = smaller;
-        pair = i;
-      }
-    }
+    if (status != NodeQp::Status::kSolved || node.objective() >= bound) return {bound, -1};
+    const int pair = qp::most_violated_pair(node, n_, kComplementary * magnitude_).pair;
     if (pair < 0) {
       best_.copy_from(node);
       best_objective_ = node.objective();
-      return;
     }
-    const int force = pair, gap = n_ + pair;
-    const int first = node.s()[force] <= node.s()[gap] ? force : gap;
-    for (const int side : {first, first == force ? gap : force}) {
-      // whatever else happens, s_side = 0 costs at least s² / 2 more than this node
-      const double s = node.s()[side];
-      if (node.objective() + 0.5 * s * s >= best_objective_ * (1.0 - kSameObjective)) continue;
-      nodes_[level + 1].copy_from(node);
-      nodes_[level + 1].pin(side);
-      explore(level + 1);
-    }
+    return {node.objective(), pair};
+  }
+
+  /// Whatever else happens, s_side = 0 costs at least s² / 2 more than this node.
+  double side_bound(int level, int side) const noexcept {
+    const double s = nodes_[level].s()[side];
+    return nodes_[level].objective() + 0.5 * s * s;
+  }
+
+  void descend(int level, int side) noexcept {
+    nodes_[level + 1].copy_from(nodes_[level]);
+    nodes_[level + 1].pin(side);
   }
 
   /// δ of the best node: the sides that the search accepted as zero are pinned to it, the active
@@ -168,8 +158,6 @@ class MiqpProjection final : public Projection {
   std::vector<NodeQp> nodes_;
   NodeQp best_;
   double best_objective_ = kInfinity;  // halved
-  long n_nodes_ = 0;
-  ProjectionStatus stopped_by_ = ProjectionStatus::kSolved;
   bool stuck_ = false;
   const Deadline* deadline_ = nullptr;
   VectorXd difference_, weighted_;
@@ -181,6 +169,21 @@ std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nod
   return std::make_unique<MiqpProjection>(sizes, max_nodes);
 }
 
+namespace {
+
+std::string why_no_point(const ProjectionReport& report, const Settings& settings, const Costs&,
+                         const lcs::Lcs&) {
+  if (report.status == ProjectionStatus::kEmpty)
+    return "the set that the projection is onto is empty";
+  if (report.status == ProjectionStatus::kNotFound && report.nodes >= settings.max_nodes) {
+    return "the projection's search ended at max_nodes = " + std::to_string(settings.max_nodes) +
+           " before it found a point";
+  }
+  return "";
+}
+
+}  // namespace
+
 const ProjectionType& miqp_projection() {
   static const ProjectionType type{ProjectionKind::kMiqp,
                                    "miqp",
@@ -190,7 +193,12 @@ const ProjectionType& miqp_projection() {
                                    [](const Sizes& sizes, const Settings& settings) {
                                      return make_miqp_projection(sizes, settings.max_nodes);
                                    },
-                                   make_consensus};
+                                   make_consensus,
+                                   nullptr,
+                                   nullptr,
+                                   {},
+                                   why_no_point,
+                                   true};
   return type;
 }
 

@@ -6,6 +6,9 @@
 
 namespace c3rt::c3 {
 
+/// How far a QP on the rows below may be from its constraints, of the largest |t| (PairRows).
+inline constexpr double kFeasible = 1e-11;
+
 /// The 2 n_lambda functionals of δ that the LCP is made of, [λ; y] = J δ + [0; c]. With U = T⁻ᵀ T⁻¹
 /// and δ = v + T f the distance to v is ‖f‖ and the functionals are J v + [0; c] + (J T) f. Each is
 /// divided by the length of its row of J T, so that s² is the least ‖f‖² that bringing that one to

@@ -1,5 +1,5 @@
 #pragma once
-// The projections by name: a new one is a file in this folder and its lines in this header.
+// The projections by name: a new one is a file in this folder and its line in the table below.
 #include <array>
 #include <limits>
 #include <memory>
@@ -15,14 +15,23 @@ namespace c3rt::c3 {
 class Consensus;
 struct Costs;
 class Projection;
+struct ProjectionReport;
 struct Settings;
 
+/// The table: PROJECTION(Name, name) for each, which name.cpp in this folder implements.
+#define C3RT_PROJECTIONS(PROJECTION)                                                         \
+  PROJECTION(Miqp, miqp)     /* exact, by branch and bound                 [C3, eq. (23)] */ \
+  PROJECTION(Lcp, lcp)       /* λ from the LCP at the x and u of the QP    [C3, V.B.3b] */  \
+  PROJECTION(Admm, admm)     /* QCQP by a nested ADMM with bisection       [C3, V.B.3c] */   \
+  PROJECTION(Convex, convex) /* one convex QP that trades complementarity against distance   \
+                                                                           [C3, eq. (24)] */ \
+  PROJECTION(Plus, plus)     /* C3+: gap variables, pair by pair           [C3+, III] */
+
+/// kMiqp, …
 enum class ProjectionKind {
-  kMiqp,    // exact, by branch and bound                                       [C3, eq. (23)]
-  kLcp,     // λ from the LCP at the x and u of the QP                          [C3, V.B.3b]
-  kAdmm,    // QCQP by a nested ADMM with bisection                             [C3, V.B.3c]
-  kConvex,  // one convex QP that trades complementarity against distance        [C3, eq. (24)]
-  kPlus,    // C3+: gap variables in the QP, projection pair by pair            [C3+, III]
+#define C3RT_PROJECTION(Name, name) k##Name,
+  C3RT_PROJECTIONS(C3RT_PROJECTION)
+#undef C3RT_PROJECTION
 };
 
 /// A weight that one projection alone has: its place in Costs, and what files may say of it.
@@ -60,17 +69,23 @@ struct ProjectionType {
   void (*check_weights)(const Costs& costs, const qp::Sizes& sizes) = nullptr;
   void (*check_settings)(const Settings& settings) = nullptr;
   std::vector<ProjectionWeight> weights = {};  // that it alone has
+  /// Why it has no point, for a person, where it knows more of that than `report` says; "" where it
+  /// does not. Null: it never does.
+  std::string (*why_no_point)(const ProjectionReport& report, const Settings& settings,
+                              const Costs& costs, const lcs::Lcs& lcs) = nullptr;
+  bool has_nodes = false;  // Settings.max_nodes ends its search
 };
 
-// each in the file of its name
-const ProjectionType& miqp_projection();
-const ProjectionType& lcp_projection();
-const ProjectionType& admm_projection();
-const ProjectionType& convex_projection();
-const ProjectionType& plus_projection();
+// miqp_projection(), …
+#define C3RT_PROJECTION(Name, name) const ProjectionType& name##_projection();
+C3RT_PROJECTIONS(C3RT_PROJECTION)
+#undef C3RT_PROJECTION
 
-inline constexpr std::array kProjectionTypes{miqp_projection, lcp_projection, admm_projection,
-                                             convex_projection, plus_projection};
+inline constexpr std::array kProjectionTypes{
+#define C3RT_PROJECTION(Name, name) name##_projection,
+    C3RT_PROJECTIONS(C3RT_PROJECTION)
+#undef C3RT_PROJECTION
+};
 
 const ProjectionType& projection_type(ProjectionKind kind) noexcept;
 

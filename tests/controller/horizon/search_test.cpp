@@ -137,3 +137,68 @@ TEST_CASE("a deadline ends the search") {
   CHECK(result.nodes == 0);
   CHECK(result.status == horizon::SearchStatus::kDeadline);
 }
+
+namespace {
+
+/// x⁺ = x + u + 0.5, x⊤Q x + u² with and without a contact that never acts; x0 = 1, N = 2.
+struct Integrator {
+  explicit Integrator(int n_lambda) {
+    lcs.A = lcs.B = Eigen::MatrixXd::Identity(1, 1);
+    lcs.D = lcs.E = Eigen::MatrixXd::Zero(1, n_lambda);
+    lcs.E.resize(n_lambda, 1);
+    lcs.E.setZero();
+    lcs.d = Eigen::VectorXd::Constant(1, 0.5);
+    lcs.F = Eigen::MatrixXd::Identity(n_lambda, n_lambda);
+    lcs.H = Eigen::MatrixXd::Zero(n_lambda, 1);
+    lcs.c = Eigen::VectorXd::Ones(n_lambda);
+    costs.Q = Eigen::MatrixXd(Eigen::MatrixXd::Identity(1, 1));
+    costs.Q_N = Eigen::MatrixXd::Identity(1, 1);
+    costs.R = Eigen::MatrixXd(Eigen::MatrixXd::Identity(1, 1));
+    problem = {
+        {1, n_lambda, 1, 2},     {&lcs, 0}, &costs, &constraints, Eigen::MatrixXd::Zero(1, 3),
+        Eigen::VectorXd::Ones(1)};
+  }
+  lcs::Lcs lcs;
+  c3::Costs costs;
+  c3::Constraints constraints;
+  horizon::Problem problem;
+};
+
+}  // namespace
+
+TEST_CASE("without a contact the optimum is that of the QP") {
+  Integrator without(0);
+  const horizon::SearchResult result = horizon::search(without.problem, {});
+  REQUIRE(result.plan);
+  CHECK(result.is_proven());
+  // u_1 = −(x_1 + ½)/2, then x_1 = 3/2 + u_0: u_0² + x_1² + (x_1 + ½)²/2 is least at
+  // u_0 + 3/2 + u_0 + (2 + u_0)/2 = 0
+  CHECK(result.plan->u(0, 0) == Approx(-1.0));
+  CHECK(result.plan->u(0, 1) == Approx(-0.5));
+  CHECK(result.plan->objective == Approx(1.0 + 1.0 + 0.25 + 0.25 + 0.25));
+  CHECK(result.plan->complementarity_violation == 0.0);
+}
+
+TEST_CASE("rows C with one side alone bound that side") {
+  for (const int n_lambda : {0, 1}) {
+    CAPTURE(n_lambda);
+    Integrator bounded(n_lambda);
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(1, 2 + n_lambda);
+    C(0, 1 + n_lambda) = 1.0;  // u
+    bounded.constraints.C = C;
+    bounded.constraints.C_min = Eigen::VectorXd::Constant(1, -0.25);
+    const horizon::SearchResult above = horizon::search(bounded.problem, {});
+    REQUIRE(above.plan);
+    CHECK(above.plan->u(0, 0) == Approx(-0.25));
+    CHECK(above.plan->u(0, 1) == Approx(-0.25));
+    CHECK(horizon::residual(bounded.problem, *above.plan) <= horizon::kMet);
+
+    bounded.constraints.C_min = Eigen::VectorXd();
+    bounded.constraints.C_max = Eigen::VectorXd::Constant(1, -2.0);
+    CHECK(horizon::residual(bounded.problem, *above.plan) > horizon::kMet);
+    const horizon::SearchResult below = horizon::search(bounded.problem, {});
+    REQUIRE(below.plan);
+    CHECK(below.plan->u(0, 0) == Approx(-2.0));
+    CHECK(below.plan->u(0, 1) == Approx(-2.0));
+  }
+}
