@@ -5,12 +5,15 @@
 #include <fstream>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "cli/campaign/files.hpp"
 #include "cli/example/scenario.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
+#include "config/extends.hpp"
 #include "config/scenario.hpp"
 #include "config/show.hpp"
 #include "controller/base/hash.hpp"
@@ -147,6 +150,8 @@ class Line {
 std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSettings& settings) {
   const std::string program = programs();
   std::map<std::string, std::string> scenarios;  // by file: the whole, with what it extends
+  // of the objects that the whole names
+  std::map<std::pair<std::string, std::vector<std::string>>, std::string> files_of;
   std::vector<Plan> plans;
   for (const RunSpec& spec : specs) {
     const fs::path file = scenario_path(spec.scenario);
@@ -160,13 +165,19 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
     const std::vector<std::string> overrides = overrides_of(spec, example);
     if (plans.empty() || is_new || spec.overrides != plans.back().result.spec.overrides)
       check(file, overrides, example);
+    auto [files, are_new] = files_of.try_emplace({file.string(), overrides});
+    if (are_new) files->second = hash_of_files(config::load_composed(file.string(), overrides));
     Plan plan;
     plan.result.spec = spec;
     plan.result.spec.example = example;
     plan.result.folder = fs::absolute(settings.folder) / spec.name;
-    plan.key = {{"scenario", whole->second}, {"overrides", overrides},
-                {"seed", spec.seed},         {"logs", spec.logs},
-                {"pictures", spec.pictures}, {"in_process", spec.in_process},
+    plan.key = {{"scenario", whole->second},
+                {"files", files->second},
+                {"overrides", overrides},
+                {"seed", spec.seed},
+                {"logs", spec.logs},
+                {"pictures", spec.pictures},
+                {"in_process", spec.in_process},
                 {"programs", program}};
     plan.job = {spec.name, words(spec, file, example), plan.result.folder};
     plans.push_back(plan);

@@ -50,7 +50,8 @@ struct RunSettings {
 };
 
 /// One result for each spec, in their order. A run is made again unless its folder holds one that
-/// ended by itself, of the same scenario text, overrides, seed, duration and programs.
+/// ended by itself, of the same scenario text, files that it names, overrides, seed, duration and
+/// programs.
 /// @return fewer results if a stop was wanted; what was finished is kept for the next call
 /// @throws UsageError, config::ConfigError before anything is started
 std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSettings& settings);
