@@ -237,9 +237,10 @@ HeuristicParameters load_heuristic(config::Section heuristic, int bodies) {
   return parameters;
 }
 
-SamplingParameters load_sampling(config::Section sampling) {
+SamplingParameters load_sampling(config::Section sampling, double effector_radius) {
+  constexpr double kAboveTable = 2e-3;  // as the arm is not exact, and would rub on the table [m]
   SamplingParameters parameters{};
-  parameters.height = sampling.number("height_m", {1e-3, 0.5});
+  parameters.height = sampling.number("height_m", {effector_radius + kAboveTable, 0.5});
   parameters.clearance = sampling.number("clearance_m", {1e-3, 0.1});
   parameters.look_ahead = sampling.number("look_ahead_m", {1e-3, 1});
   parameters.look_ahead_angle = sampling.number("look_ahead_rad", {0.01, 3});
@@ -285,7 +286,7 @@ void load_strategy(config::Section& section, Parameters& parameters) {
   const std::string why = "strategy " + parameters.strategy;
   const bool sampling = parameters.strategy == "sampling";
   if (section.given("sampling", sampling, why))
-    parameters.sampling = load_sampling(section.section("sampling"));
+    parameters.sampling = load_sampling(section.section("sampling"), world.effector.radius);
   if (section.given("weights", heuristic || sampling, why)) {
     config::Section weights = section.section("weights");
     if (weights.given("roll", heuristic, why)) {

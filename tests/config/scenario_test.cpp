@@ -251,6 +251,12 @@ TEST_CASE("scenario: cameras are refused with an object that they cannot track, 
              Contains("vision.source") && Contains("\"box0\""));
 }
 
+TEST_CASE("scenario: an end effector that would rub on the table is refused") {
+  CHECK(error_with("push_t", "planner: {sampling: {height_m: 0.022}}\n") == "no error");
+  CHECK_THAT(error_with("push_t", "planner: {sampling: {height_m: 0.02}}\n"),
+             Contains("height_m: expected a number in [0.0215"));
+}
+
 TEST_CASE("scenario: what extends a shipped one is checked as a whole, by the line of each value") {
   CHECK(error_with("circle_fast", "planner: {rate_hz: 100}\n") == "no error");
   CHECK_THAT(error_with("circle_fast", "planner:\n  horizon: 99\n"),

@@ -20,6 +20,8 @@ constexpr double kColumn = 2e-3;                  // beside the way straight dow
 constexpr double kApart = 0.015;                  // another place is farther than this [m]
 constexpr double kFree = 0.03;  // contacts farther apart begin free, see C3Controller [m]
 constexpr double kOff = 0.015;  // what is at its goal is left by this [m]
+// An arm that comes no nearer to a place by this part within this time cannot reach it [s].
+constexpr double kArrivalPart = 0.02, kArrivalTime = 3.0;
 
 enum class Stage { kWait, kHold, kChoose, kMove, kPush, kStand };
 
@@ -39,11 +41,13 @@ struct State {
         way(free_motion_of(parameters)),
         places(parameters.sampling),
         headway(parameters.sampling.headway, parameters.sampling.headway_time),
+        arrival(kArrivalPart, kArrivalTime),
         random(parameters.sampling.seed) {}
   TaskAtHand task;
   FreeMotion way;
   Places places;
-  Headway headway;
+  Headway headway;  // of the body
+  Headway arrival;  // of the end effector at the place that it moves to
   base::Random random;
   Stage stage = Stage::kWait;
   double since = 0.0;                                // of the stage [s]
@@ -173,16 +177,19 @@ class Sampling final : public Strategy {
         const Place* best = s.places.best(p_WE, 0.0);
         if (s.drawn < of_.least_drawn) return Stage::kChoose;
         if (best == nullptr) return choose();
-        s.target = best->p_WE;
-        return Stage::kMove;
+        return move_to(best->p_WE, now);
       }
       case Stage::kMove: {
         draw(now, goal.body, of_.samples, &s.target);
         const Place* best = s.places.best(s.target, kApart);
         if (best != nullptr && best->worth.cost < of_.retarget * s.there.cost)
-          s.target = best->p_WE;
-        if (!s.way.there() || (p_WE - s.target).norm() > parameters_.approach.tolerance)
-          return Stage::kMove;
+          move_to(best->p_WE, now);
+        const double away = (p_WE - s.target).norm();
+        if (!s.way.there() || away > parameters_.approach.tolerance) {
+          if (s.arrival.made(input.now, away)) return Stage::kMove;
+          s.places.fail(s.target);
+          return choose();
+        }
         s.headway.begin(input.now, left);
         return Stage::kPush;
       }
@@ -195,11 +202,17 @@ class Sampling final : public Strategy {
         const bool leaves = !made || (input.now - s.since >= of_.least_time && best != nullptr &&
                                       worth_leaving(of_, s.here, best->worth));
         if (!leaves) return Stage::kPush;
-        s.target = best->p_WE;
-        return Stage::kMove;
+        return move_to(best->p_WE, now);
       }
     }
     return Stage::kHold;
+  }
+
+  Stage move_to(const Eigen::Vector3d& place, const Situation& now) {
+    const Input& input = *now.input;
+    state_.target = place;
+    state_.arrival.begin(input.now, (input.effector.p_WE - place).norm());
+    return Stage::kMove;
   }
 
   Stage choose() {
