@@ -22,6 +22,7 @@
 #include "cli/inspect.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/look.hpp"
+#include "cli/object_add.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
@@ -378,6 +379,7 @@ class CommandLine {
         ->expected(1)
         ->take_all();
     add_lcs();
+    add_object();
     add_bench();
   }
 
@@ -412,6 +414,27 @@ class CommandLine {
         ->check(cli::whole(3, 4))
         ->capture_default_str();
     inspect->add_option("--out", inspect_.out, "File of the LCS as a problem of c3rt solve");
+  }
+
+  void add_object() {
+    CLI::App& parent = *group(app_, "object", "Objects of your own");
+    parent.require_subcommand(1);
+    CLI::App* add = command(parent, "add", "From a mesh to a MuJoCo model that plans and runs take",
+                            [this] { return cli::add_object(object_); });
+    add->add_option("file", object_.file, "Mesh: .obj, or .stl (binary or ASCII)")->required();
+    add->add_option("--mass", object_.mass, "Of the object [kg]")
+        ->required()
+        ->check(cli::number(1e-3, 100.0));
+    add->add_option("--name", object_.name, "Of the object and its files; default: the file's");
+    add->add_option("--friction", object_.friction, "Coefficient of its surface")
+        ->check(cli::number(0.0, 10.0))
+        ->capture_default_str();
+    add->add_option("--scale", object_.scale, "From the file's unit to metres: 0.001 of mm")
+        ->check(cli::number(1e-6, 1e6))
+        ->capture_default_str();
+    add->add_option("--out", object_.out, "Folder of the model and its meshes")
+        ->capture_default_str();
+    add->add_flag("--force", object_.force, "Overwrites what is there");
   }
 
   void add_bench() {
@@ -454,6 +477,7 @@ class CommandLine {
   std::vector<std::string> overrides_;
   cli::BenchSettings bench_;
   cli::InspectSettings inspect_;
+  cli::ObjectAddSettings object_;
 };
 
 /// The first files that are opened must not become standard streams that the caller has closed.

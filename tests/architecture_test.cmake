@@ -48,7 +48,8 @@ may(cli/example cli cli/report controller/example controller/model plant_emulato
 may(cli/campaign cli cli/report cli/example config controller/base)
 may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/base controller/scene controller/lcs
     controller/c3 controller/horizon controller/example controller/model controller/planner)
-may(cli cli/report cli/example cli/campaign cli/reproduce config idl controller/base controller/rt controller/task
+may(cli/mesh controller/scene)
+may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario
@@ -64,6 +65,7 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(ser
 files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)
+files_may("^cli/object_add[.]" controller/mjcf controller/model controller/scene)
 files_may("^cli/inspect[.]" controller/lcs controller/mjcf controller/model controller/scene)
 files_may("_main[.]cpp$" config idl controller/base controller/rt)
 
