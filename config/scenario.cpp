@@ -1,6 +1,8 @@
 #include "config/scenario.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "config/robot.hpp"
 #include "controller/impedance/load_parameters.hpp"
@@ -52,6 +54,9 @@ Task load_task(Section& section) {
   return task;
 }
 
+// A planner that believes the table elsewhere presses on it, or works above it [m].
+constexpr double kTablesApart = 0.005;
+
 /// What any run can be judged by, whatever its task.
 const char* const kCriteria[] = {
     "in_band_2cm",          "in_band_1cm",          "longest_excursion_s", "largest_excursion_m",
@@ -74,6 +79,12 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections, const task::
   return criteria;
 }
 
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
@@ -93,9 +104,16 @@ Scenario read_scenario(Section root) {
   scenario.timing.vision_latency_s = timing.number("vision_latency_s", {0, 1});
   scenario.plant = plant::load_parameters(root.section("plant"), load_robot(root));
   scenario.impedance = impedance::load_from_scenario(root);
-  scenario.planner =
-      planner::load_parameters(root.section("planner"), scenario.task.motion,
-                               static_cast<int>(scenario.plant.world.objects.size()));
+  Section planner = root.section("planner");
+  scenario.planner = planner::load_parameters(
+      planner, scenario.task.motion, static_cast<int>(scenario.plant.world.objects.size()));
+  const double table = scenario.plant.world.table_height;
+  if (std::abs(scenario.planner.geometry.table_height - table) > kTablesApart) {
+    planner.fail(
+        "model",
+        "a table_height_m within 0.005 of plant.table_height_m, which is " + text_of(table),
+        text_of(scenario.planner.geometry.table_height));
+  }
   Section vision = root.section("vision");
   scenario.vision = vision::load_parameters(vision);
   const std::optional<task::Goal> goal = scenario.task.motion.goal({});

@@ -15,12 +15,12 @@ constexpr double kFarthest = 2.0;       // from the robot's base [m]
 constexpr double kFastest = 10.0;       // [m/s]
 constexpr double kStrongest = 200.0;    // [N]
 constexpr double kLongestAhead = 10.0;  // of a knot, from the plan's stamp [s]
-// of a joint's velocity limit: from here the reference asks for less, from there for nothing
 constexpr double kNew = 2.5;  // cycles: so old a robot state may be for the law to act on it
+// of a joint's velocity limit: from here the reference asks for less, from there for nothing
+constexpr double kFastJoint = 0.5, kTooFastJoint = 0.8;
 // and below this one, with the law's own torque for so many cycles in a row, the arm stands
 constexpr double kStandingJoint = 0.1;
 constexpr int kStandingCycles = 10;
-constexpr double kFastJoint = 0.5, kTooFastJoint = 0.8;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
   return static_cast<double>(to_ns - from_ns) * kSecondsPerNs;

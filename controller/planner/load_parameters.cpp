@@ -248,6 +248,7 @@ SamplingParameters load_sampling(config::Section sampling, double effector_radiu
   parameters.reach_max = sampling.numbers("reach_max_m", 2, {-2, 2});
   if ((parameters.reach_min.array() >= parameters.reach_max.array()).any())
     sampling.fail("reach_max_m", "every entry above that of reach_min_m", "one that is not");
+  parameters.reach_radius = sampling.number("reach_radius_m", {0.1, 2});
   parameters.seed = static_cast<std::uint64_t>(sampling.integer("seed", {0, 1e9}));
   parameters.samples = sampling.integer("samples", {1, 64});
   parameters.samples_to_choose = sampling.integer("samples_to_choose", {1, 64});

@@ -82,6 +82,7 @@ struct SamplingParameters {
   double look_ahead = 0.0;               // the body is drawn no farther than this [m]
   double look_ahead_angle = 0.0;         // and is turned no farther [rad]
   Eigen::Vector2d reach_min, reach_max;  // no place is outside this, in W [m]
+  double reach_radius;                   // or farther from the robot's base [m]
   int samples = 0;                       // places that are drawn in a period
   int samples_to_choose = 0;             // and in one in which it stands and chooses
   int least_drawn = 0;                   // before it chooses

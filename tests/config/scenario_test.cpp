@@ -251,6 +251,14 @@ TEST_CASE("scenario: cameras are refused with an object that they cannot track, 
              Contains("vision.source") && Contains("\"box0\""));
 }
 
+TEST_CASE(
+    "scenario: a planner that believes the table elsewhere than the plant has it is refused") {
+  CHECK_THAT(error_with("push_box", "planner: {model: {table_height_m: 0.0}}\n"),
+             Contains("planner.model") && Contains("plant.table_height_m, which is -0.0245") &&
+                 Contains("got 0"));
+  CHECK(error_with("push_box", "planner: {model: {table_height_m: -0.022}}\n") == "no error");
+}
+
 TEST_CASE("scenario: an end effector that would rub on the table is refused") {
   CHECK(error_with("push_t", "planner: {sampling: {height_m: 0.022}}\n") == "no error");
   CHECK_THAT(error_with("push_t", "planner: {sampling: {height_m: 0.02}}\n"),

@@ -69,6 +69,7 @@ class Sampling final : public Strategy {
     rules_.clearance = of_.clearance;
     rules_.column = kColumn;
     rules_.reach = {of_.reach_min, of_.reach_max};
+    rules_.reach_radius = of_.reach_radius;
     c3.start_from_free_gaps(kFree);
     // one for where the end effector is or goes to, and one for each place that is drawn
     for (int i = 0; i <= std::max(of_.samples, of_.samples_to_choose); ++i) {

@@ -77,7 +77,8 @@ std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int bod
       out = out.norm() < kFlat ? about : Eigen::Vector2d(out.normalized());
       if (!there) effector.p_WE.head<2>() -= too_far * out;
     }
-    if (!there || !rules.reach.contains(Eigen::Vector2d(effector.p_WE.head<2>()))) continue;
+    const Eigen::Vector2d at = effector.p_WE.head<2>();
+    if (!there || !rules.reach.contains(at) || at.norm() > rules.reach_radius) continue;
     if (column_is_free(scene, rules, effector.p_WE)) return effector.p_WE;
   }
   return std::nullopt;

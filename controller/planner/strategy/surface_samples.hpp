@@ -1,5 +1,6 @@
 #pragma once
 // Places about a body where the end effector could begin to push.
+#include <limits>
 #include <optional>
 
 #include "controller/base/random.hpp"
@@ -14,6 +15,8 @@ struct SampleRules {
   double column;              // the way straight down to it is free by this [m]
   double top;                 // where that way begins, in W [m]
   Eigen::AlignedBox2d reach;  // of the end effector, in W [m]
+  // and how far from the robot's base: a stretched arm turns its joints fast for a short way [m]
+  double reach_radius = std::numeric_limits<double>::infinity();
 };
 
 /// How far a body reaches from its origin in a direction of W: an upper bound that is millimetres

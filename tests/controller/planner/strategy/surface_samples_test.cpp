@@ -86,6 +86,13 @@ TEST_CASE("samples: none out of reach, and none that the end effector cannot com
     effector.p_WE = *place;
     CHECK(scene::gap(effector, scene.body(1)).distance > 1.9e-3);
   }
+  near.reach = rules().reach;
+  near.reach_radius = 0.5;
+  for (int i = 0; i < 50; ++i) {
+    const auto place = surface_sample(scene, 0, near, random);
+    REQUIRE(place);
+    CHECK(place->head<2>().norm() <= 0.5);
+  }
   near.reach = {Vector2d(0.3, -0.3), Vector2d(0.31, -0.2)};
   CHECK_FALSE(surface_sample(scene, 0, near, random));
 }
