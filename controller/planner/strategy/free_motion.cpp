@@ -10,6 +10,7 @@ constexpr double kLook = 0.005;   // between two looks at a line [m]
 constexpr double kAway = 0.5;     // a line that begins too near comes away by this much of itself
 constexpr double kBraking = 0.8;  // of the acceleration, so that no corner is run past
 constexpr double kTurning = 2.0;  // and the most that the velocity changes, in accelerations
+constexpr double kBetter = 3e-4;  // by so much a place is farther from all bodies [m]
 constexpr double kOff = 1e-3;  // farther than it has to be, so that the next line begins clear [m]
 
 /// The nearest body to the end effector at a place.
@@ -47,9 +48,16 @@ Eigen::Vector3d next_corner(const scene::Scene& scene, const Eigen::Vector3d& fr
   const scene::Gap gap = nearest(scene, from);
   const Eigen::Vector3d up(from.x(), from.y(), std::max(safe, from.z()));
   if (gap.distance >= clear || gap.normal.z() > 0.9) return up;
-  // level, as the table is below
-  Eigen::Vector3d off(gap.normal.x(), gap.normal.y(), 0.0);
-  return from + (clear + kOff - gap.distance) / std::max(off.norm(), 0.1) * off.normalized();
+  // level, as the table is below; no farther than to the middle between two faces, and from there
+  // up along both
+  const Eigen::Vector3d level(gap.normal.x(), gap.normal.y(), 0.0);
+  const Eigen::Vector3d off =
+      (clear + kOff - gap.distance) / std::max(level.norm(), 0.1) * level.normalized();
+  for (const double part : {1.0, 0.5, 0.25}) {
+    if (nearest(scene, from + part * off).distance > gap.distance + kBetter)
+      return from + part * off;
+  }
+  return up;
 }
 
 void FreeMotion::begin(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE) noexcept {

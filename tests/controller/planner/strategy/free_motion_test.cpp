@@ -90,6 +90,31 @@ TEST_CASE("free motion: straight where that is clear, else off the body, up, ove
   CHECK(next_corner(scene, {behind.x(), behind.y(), kSafe}, behind, kSafe, kClear) == behind);
 }
 
+TEST_CASE("free motion: out of a slot whose two sides are nearer than it keeps clear of") {
+  scene::Scene scene = scene_of_box();
+  scene.body_count = 2;
+  for (int i = 0; i < 2; ++i) {
+    scene.body(i).shape = scene::Shape::box({0.05, 0.02, 0.03});
+    scene.body(i).p_WB = {0.5, i == 0 ? 0.0425 : -0.0425, 0.03};  // 45 mm between them
+    scene.body(i).q_WB = Eigen::Quaterniond::Identity();
+  }
+  for (const double beside : {0.0, 0.002, -0.0028}) {
+    CAPTURE(beside);
+    const Vector3d goal(0.5, 0.15, 0.03);
+    FreeMotion way(kParameters);
+    Vector3d at(0.5, beside, 0.03);
+    way.begin(at, Vector3d::Zero());
+    int periods = 0;
+    for (; periods < 500 && !way.there(); ++periods) {
+      way.step({periods * kPeriod, kPeriod, at, true}, scene, goal, kSafe);
+      at = way.reference();
+      CHECK(gap_at(scene, at) > 0.0);
+    }
+    CHECK(way.there());
+    CHECK(periods * kPeriod < 4.0);
+  }
+}
+
 TEST_CASE("free motion: it rests where an arm is that does not follow, and waits for a slow one") {
   const scene::Scene scene = scene_of_box();
   FreeMotion way(kParameters);
