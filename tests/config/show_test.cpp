@@ -73,7 +73,8 @@ TEST_CASE("show: each line says which file and line it is from") {
   CHECK_THAT(line_of("  rate_hz: 42"), Catch::EndsWith(" # shown.yaml:4"));
   CHECK_THAT(line_of("  horizon: 3"), Catch::EndsWith(" # --set"));
   CHECK_THAT(line_of("  speed_limit_m_per_s: "), Contains(" # circle_slow.yaml:"));
-  CHECK_THAT(line_of("    - {shape: sphere, position_m: [0.55, 0.1]"), Contains(" # circle_slow.yaml:"));
+  CHECK_THAT(line_of("    - {shape: sphere, position_m: [0.55, 0.1]"),
+             Contains(" # circle_slow.yaml:"));
 }
 
 TEST_CASE("show: files of one name are told apart by their folders") {
