@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "controller/model/ball_model.hpp"
+#include "controller/model/cross_matrix.hpp"
 #include "controller/model/support_points.hpp"
 #include "controller/scene/distance.hpp"
 
@@ -21,12 +22,6 @@ using L = ObjectsLayout;
 constexpr double kGravity = 9.81;  // [m/s²]
 constexpr int kMostObjects = 4;
 constexpr int kEndEffector = ContactPair::kEndEffector, kTable = ContactPair::kTable;
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d result;
-  result << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return result;
-}
 
 Layout objects_layout(const ObjectsParameters& parameters,
                       const std::vector<SupportPoints>& support) {

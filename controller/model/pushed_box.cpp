@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "controller/model/ball_model.hpp"
+#include "controller/model/cross_matrix.hpp"
 
 namespace c3rt::model {
 namespace {
@@ -14,12 +15,6 @@ using L = PushedBoxLayout;
 constexpr double kGravity = 9.81;  // [m/s²]
 // velocities v = [v_WE; v_WB; ω_WB]
 constexpr int kVelocityEffector = 0, kVelocityBox = 3, kVelocityOmega = 6;
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d result;
-  result << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return result;
-}
 
 Layout pushed_box_layout(const PushedBoxParameters& parameters) {
   Layout layout;

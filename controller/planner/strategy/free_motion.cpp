@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/planner/strategy/surface_samples.hpp"
+
 namespace c3rt::planner {
 namespace {
 
@@ -13,29 +15,17 @@ constexpr double kTurning = 2.0;  // and the most that the velocity changes, in 
 constexpr double kBetter = 3e-4;  // by so much a place is farther from all bodies [m]
 constexpr double kOff = 1e-3;  // farther than it has to be, so that the next line begins clear [m]
 
-/// The nearest body to the end effector at a place.
-scene::Gap nearest(const scene::Scene& scene, const Eigen::Vector3d& p_WE) noexcept {
-  scene::Effector effector = scene.effector;
-  effector.p_WE = p_WE;
-  scene::Gap least{1e9, Eigen::Vector3d::UnitZ()};
-  for (int i = 0; i < scene.body_count; ++i) {
-    const scene::Gap gap = scene::gap(effector, scene.body(i));
-    if (gap.distance < least.distance) least = gap;
-  }
-  return least;
-}
-
 }  // namespace
 
 bool line_is_free(const scene::Scene& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                   double clear) noexcept {
   const double length = (to - from).norm();
-  const double first = nearest(scene, from).distance;
+  const double first = nearest_gap(scene, from).distance;
   const int looks = static_cast<int>(std::ceil(length / kLook));
   for (int i = 1; i <= looks; ++i) {
     const double part = static_cast<double>(i) / looks;
     const double least = std::min(clear, first + kAway * part * length);
-    if (nearest(scene, from + part * (to - from)).distance < least) return false;
+    if (nearest_gap(scene, from + part * (to - from)).distance < least) return false;
   }
   return true;
 }
@@ -45,7 +35,7 @@ Eigen::Vector3d next_corner(const scene::Scene& scene, const Eigen::Vector3d& fr
   if (line_is_free(scene, from, goal, clear)) return goal;
   const Eigen::Vector3d above(goal.x(), goal.y(), std::max(safe, goal.z()));
   if (line_is_free(scene, from, above, clear)) return above;
-  const scene::Gap gap = nearest(scene, from);
+  const scene::Gap gap = nearest_gap(scene, from);
   const Eigen::Vector3d up(from.x(), from.y(), std::max(safe, from.z()));
   if (gap.distance >= clear || gap.normal.z() > 0.9) return up;
   // level, as the table is below; no farther than to the middle between two faces, and from there
@@ -54,7 +44,7 @@ Eigen::Vector3d next_corner(const scene::Scene& scene, const Eigen::Vector3d& fr
   const Eigen::Vector3d off =
       (clear + kOff - gap.distance) / std::max(level.norm(), 0.1) * level.normalized();
   for (const double part : {1.0, 0.5, 0.25}) {
-    if (nearest(scene, from + part * off).distance > gap.distance + kBetter)
+    if (nearest_gap(scene, from + part * off).distance > gap.distance + kBetter)
       return from + part * off;
   }
   return up;

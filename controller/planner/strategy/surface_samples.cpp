@@ -13,17 +13,18 @@ constexpr double kExact = 5e-4;       // of the clearance [m]
 constexpr double kFlat = 0.3;         // a normal that is nearer to the vertical moves nothing
 constexpr double kColumnStep = 0.01;  // [m]
 
-/// Of the end effector at a place to the nearest body.
-double nearest_gap(const scene::Scene& scene, const Eigen::Vector3d& p_WE) noexcept {
+}  // namespace
+
+scene::Gap nearest_gap(const scene::Scene& scene, const Eigen::Vector3d& p_WE) noexcept {
   scene::Effector effector = scene.effector;
   effector.p_WE = p_WE;
-  double least = kFar;
-  for (int i = 0; i < scene.body_count; ++i)
-    least = std::min(least, scene::gap(effector, scene.body(i)).distance);
+  scene::Gap least{1e9, Eigen::Vector3d::UnitZ()};
+  for (int i = 0; i < scene.body_count; ++i) {
+    const scene::Gap gap = scene::gap(effector, scene.body(i));
+    if (gap.distance < least.distance) least = gap;
+  }
   return least;
 }
-
-}  // namespace
 
 double extent(const scene::Body& body, const Eigen::Vector3d& direction) noexcept {
   scene::Effector eye;
@@ -46,7 +47,7 @@ bool column_is_free(const scene::Scene& scene, const SampleRules& rules,
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector3d p_WE(place.x(), place.y(),
                                std::min(rules.top, place.z() + i * kColumnStep));
-    if (nearest_gap(scene, p_WE) < rules.column) return false;
+    if (nearest_gap(scene, p_WE).distance < rules.column) return false;
   }
   return true;
 }

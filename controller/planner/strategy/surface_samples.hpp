@@ -19,6 +19,9 @@ struct SampleRules {
   double reach_radius = std::numeric_limits<double>::infinity();
 };
 
+/// From the nearest body to the end effector, if it were at this place.
+scene::Gap nearest_gap(const scene::Scene& scene, const Eigen::Vector3d& p_WE) noexcept;
+
 /// How far a body reaches from its origin in a direction of W: an upper bound that is millimetres
 /// from the truth [m].
 double extent(const scene::Body& body, const Eigen::Vector3d& direction) noexcept;
