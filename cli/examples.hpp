@@ -10,7 +10,7 @@ struct Example {
   std::string what;  // may be empty
 };
 
-/// Of one command: "run", "fault push-ball"; "" is c3rt itself.
+/// Of one command: "run", "fault push-object"; "" is c3rt itself.
 /// @throws std::out_of_range for a command that has none: every command has at least two
 const std::vector<Example>& examples_of(const std::string& command);
 

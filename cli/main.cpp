@@ -29,6 +29,7 @@
 #include "cli/scenario.hpp"
 #include "cli/service.hpp"
 #include "cli/solve.hpp"
+#include "controller/task/registry.hpp"
 #include "controller/task/request.hpp"
 #include "idl/faults.hpp"
 #include "idl/process.hpp"
@@ -182,8 +183,9 @@ class CommandLine {
   void add_faults() {
     CLI::App& parent = *group(app_, "fault", "Makes something go wrong");
     parent.require_subcommand(1);
-    CLI::App* push = fault(parent, "push-ball", "Pushes an object", c3rt_v2_FAULT_PUSH_OBJECT,
+    CLI::App* push = fault(parent, "push-object", "Pushes an object", c3rt_v2_FAULT_PUSH_OBJECT,
                            c3rt_v2_PROCESS_PLANT);
+    push->alias("push-ball");  // of versions before 0.7
     push->add_option("--impulse", impulse_ns_, "Along x, y, z [N s]")
         ->expected(3)
         ->required()
@@ -196,8 +198,9 @@ class CommandLine {
           c3rt_v2_PROCESS_VISION)
         ->add_option("--camera", index_, "Which camera")
         ->check(cli::whole(0, kMostCameras - 1));
-    fault(parent, "lose-ball", "No camera sees the objects", c3rt_v2_FAULT_LOSE_OBJECT,
-          c3rt_v2_PROCESS_VISION);
+    fault(parent, "lose-object", "No camera sees the objects", c3rt_v2_FAULT_LOSE_OBJECT,
+          c3rt_v2_PROCESS_VISION)
+        ->alias("lose-ball");
     fault(parent, "stall", "A process stops answering", c3rt_v2_FAULT_STALL, std::nullopt);
     fault(parent, "nan", "A process writes NaN", c3rt_v2_FAULT_NAN, std::nullopt);
     fault(parent, "none", "Ends every fault of a process", c3rt_v2_FAULT_NONE, std::nullopt);
@@ -238,6 +241,7 @@ class CommandLine {
     add_path(parent);
     add_line(parent);
     add_pose(parent);
+    add_any_task(parent);
     target(parent, "hold", "Brings the object to rest and leaves it",
            [] { return std::vector<task::Parameter>{}; });
     target(parent, "scenario", "Back to the scenario's own task",
@@ -307,6 +311,26 @@ class CommandLine {
     pose->add_option("--object", index_, "Which object")
         ->check(cli::whole(0, c3rt_v2_MAX_OBJECTS - 1))
         ->capture_default_str();
+  }
+
+  /// Of every kind that the registry has, those above in other words.
+  void add_any_task(CLI::App& parent) {
+    CLI::App* any =
+        command(parent, "task", "A task of any kind, by the words of a scenario", [this] {
+          std::vector<task::Parameter> given;
+          try {
+            for (const std::string& text : parameters_)
+              given.push_back(task::parse_parameter(text));
+          } catch (const task::RequestError& error) {
+            throw cli::UsageError(std::string("target: ") + error.what());
+          }
+          return cli::set_target(seat_, {kind_, given});
+        });
+    any->add_option("kind", kind_, "What the objects are to do")
+        ->required()
+        ->check(cli::one_of(task::kinds()));
+    any->add_option("parameters", parameters_, "KEY=VALUE of each parameter, as in section task");
+    add_seat(*any, seat_);
   }
 
   void add_tools() {
@@ -462,6 +486,8 @@ class CommandLine {
   cli::LookSettings look_;
   bool peers_ = false;
   std::string process_;
+  std::string kind_;
+  std::vector<std::string> parameters_;
   int index_ = 0;
   double fault_duration_s_ = 1.0;
   std::vector<double> impulse_ns_{0.0, 0.0, 0.0};

@@ -64,13 +64,13 @@ const char* fault_name(c3rt_v2_FaultKind kind) {
     case c3rt_v2_FAULT_NONE:
       return "none";
     case c3rt_v2_FAULT_PUSH_OBJECT:
-      return "push-ball";
+      return "push-object";
     case c3rt_v2_FAULT_DROP_COMMANDS:
       return "drop-commands";
     case c3rt_v2_FAULT_FREEZE_CAMERA:
       return "freeze-camera";
     case c3rt_v2_FAULT_LOSE_OBJECT:
-      return "lose-ball";
+      return "lose-object";
     case c3rt_v2_FAULT_STALL:
       return "stall";
     case c3rt_v2_FAULT_NAN:
@@ -82,8 +82,8 @@ const char* fault_name(c3rt_v2_FaultKind kind) {
 std::string refusal(const FaultInject& fault, const FaultScope& scope) {
   if (!has(fault.process, fault.kind)) {
     const char* known =
-        fault.process == c3rt_v2_PROCESS_PLANT    ? "none, push-ball, drop-commands, stall or nan"
-        : fault.process == c3rt_v2_PROCESS_VISION ? "none, freeze-camera, lose-ball, stall or nan"
+        fault.process == c3rt_v2_PROCESS_PLANT    ? "none, push-object, drop-commands, stall or nan"
+        : fault.process == c3rt_v2_PROCESS_VISION ? "none, freeze-camera, lose-object, stall or nan"
                                                   : "none, stall or nan";
     return text("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
                 fault_name(fault.kind), static_cast<int>(fault.kind));

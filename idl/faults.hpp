@@ -24,10 +24,10 @@ constexpr double kHardestPush = 3.0;      // of an object's speed [m/s]
 /// @return what was expected and what came; empty if nothing is wrong
 std::string refusal(const FaultInject& fault, const FaultScope& scope);
 
-/// "push-ball 0 by (0.005, 0, 0) N s", "stall for 2 s"
+/// "push-object 0 by (0.005, 0, 0) N s", "stall for 2 s"
 std::string describe(const FaultInject& fault);
 
-/// "push-ball"; "?" for no kind.
+/// "push-object"; "?" for no kind.
 const char* fault_name(c3rt_v2_FaultKind kind);
 
 /// Until when a process takes and sends nothing (stall), and until when what it sends is spoilt

@@ -57,7 +57,6 @@ ordered_json to_json(const ExcursionFigures& figures) {
   }
   for (const PushFigures& p : figures.pushes) {
     pushes.push_back({{"time_s", number(p.push.time)},
-                      {"ball", p.push.object},  // the name that clients know
                       {"object", p.push.object},
                       {"impulse_n_s", {p.push.impulse.x(), p.push.impulse.y()}},
                       {"out_of_band_s", number(p.out_of_band)},

@@ -1,9 +1,6 @@
 #include "controller/task/registry.hpp"
 
-#include "controller/task/circle.hpp"
-#include "controller/task/line.hpp"
-#include "controller/task/path.hpp"
-#include "controller/task/pose.hpp"
+#include "kinds.hpp"
 
 namespace c3rt::task {
 namespace {
@@ -13,22 +10,27 @@ struct Kind {
   Task (*load)(Source& source);
 };
 
-template <typename T>
-Kind kind() {
-  return {T::kKind, [](Source& source) -> Task { return T::load(source); }};
+template <typename... Types>
+std::vector<Kind> table() {
+  return {{Types::kKind, [](Source& source) -> Task { return Types::load(source); }}...};
 }
 
-const Kind kKinds[] = {kind<Circle>(), kind<Path>(), kind<Line>(), kind<Pose>()};
+const std::vector<Kind>& all_kinds() {
+  static const std::vector<Kind> kinds = table<C3RT_TASK_KINDS>();
+  return kinds;
+}
 
 }  // namespace
 
 std::vector<std::string> kinds() {
   std::vector<std::string> names;
-  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  for (const Kind& kind : all_kinds()) names.emplace_back(kind.name);
   return names;
 }
 
-Task load(Source& source) { return kKinds[source.choice("kind", kinds())].load(source); }
+Task load(Source& source) {
+  return all_kinds()[static_cast<std::size_t>(source.choice("kind", kinds()))].load(source);
+}
 
 Task load(const Request& request) {
   RequestSource source(request);

@@ -1,5 +1,6 @@
 #pragma once
-// The kinds of tasks by name: a new one is a file of its own and one line in registry.cpp.
+// The kinds of tasks by name: a new one is a file of its own and its name in this room's
+// CMakeLists.txt.
 #include "controller/task/request.hpp"
 #include "controller/task/source.hpp"
 #include "controller/task/task.hpp"

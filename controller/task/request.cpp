@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 namespace c3rt::task {
 namespace {
@@ -29,6 +30,30 @@ std::string content(const Parameter& parameter) {
 }
 
 }  // namespace
+
+Parameter parse_parameter(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
+    throw RequestError("expected a parameter as KEY=VALUE or KEY=VALUE,VALUE, got \"" + text +
+                       "\"");
+  Parameter parameter{text.substr(0, equals), {}, ""};
+  const std::string value = text.substr(equals + 1);
+  if (value == "true" || value == "false") {
+    parameter.values = {value == "true" ? 1.0 : 0.0};
+    return parameter;
+  }
+  for (const char* at = value.c_str();;) {
+    char* end = nullptr;
+    parameter.values.push_back(std::strtod(at, &end));
+    if (end == at || (*end != ',' && *end != '\0')) {
+      parameter.values.clear();
+      parameter.word = value;
+      return parameter;
+    }
+    if (*end == '\0') return parameter;
+    at = end + 1;
+  }
+}
 
 void RequestSource::fail(const std::string& key, const std::string& expected,
                          const std::string& got) {

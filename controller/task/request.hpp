@@ -27,6 +27,11 @@ class RequestError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// A parameter as a person writes it: "radius_m=0.08", "center_m=0.55,0", "preview=true",
+/// "between=hold".
+/// @throws RequestError for what has no name or no value
+Parameter parse_parameter(const std::string& text);
+
 /// Every parameter must be read once; finish() refuses what nobody read.
 class RequestSource final : public Source {
  public:

@@ -84,7 +84,7 @@ TEST_CASE("a word that is no command, and no word at all, are usage errors in a 
   CHECK_THAT(none.output, Contains("a command is missing, one of: run, up"));
   const Outcome half = Place().c3rt("fault");
   CHECK(half.status == 2);
-  CHECK_THAT(half.output, Contains("c3rt fault: a command is missing, one of: push-ball"));
+  CHECK_THAT(half.output, Contains("c3rt fault: a command is missing, one of: push-object"));
 }
 
 TEST_CASE("numbers out of range, NaN and words that are not known are refused in one plain line") {
@@ -101,9 +101,14 @@ TEST_CASE("numbers out of range, NaN and words that are not known are refused in
            {"target pose 0.5 0 0.6",
             "goals_m: expected 1 to 32 times 2 numbers from -1 to 1, got 3"},
            {"target path 0.5 0", "points_m: expected 2 to 1000 times 2 numbers"},
+           {"target task spiral", "one of circle, path, line, pose, got \"spiral\""},
+           {"target task circle radius_m", "expected a parameter as KEY=VALUE"},
+           {"target task circle radius_m=0.1", "center_m: expected 2 numbers from -1 to 1"},
+           {"target task circle center_m=0.5,0 radius_m=wide lead_rad=0.3",
+            "radius_m: expected a number from 0.01 to 0.5, got \"wide\""},
            {"target line --step 0", "step_m: expected a step that is not 0, got 0"},
            {"target pose 5 0", "goals_m: expected 1 to 32 times 2 numbers from -1 to 1, got 5"},
-           {"fault push-ball --impulse 0 1e999 0", "--impulse: expected a number from"},
+           {"fault push-object --impulse 0 1e999 0", "--impulse: expected a number from"},
            {"fault stall plant --for nan", "--for: expected a number from"},
            {"fault nan plantt", "one of impedance, planner, plant, vision, got \"plantt\"; did"},
            {"run circle_slow --duration nan", "--duration: expected a number from"},
@@ -133,10 +138,10 @@ TEST_CASE("every command's help shows at least two examples, all of that command
                                     "recover",
                                     "stop",
                                     "fault",
-                                    "fault push-ball",
+                                    "fault push-object",
                                     "fault drop-commands",
                                     "fault freeze-camera",
-                                    "fault lose-ball",
+                                    "fault lose-object",
                                     "fault stall",
                                     "fault nan",
                                     "fault none",
@@ -145,6 +150,7 @@ TEST_CASE("every command's help shows at least two examples, all of that command
                                     "target path",
                                     "target line",
                                     "target pose",
+                                    "target task",
                                     "target hold",
                                     "target scenario",
                                     "topics",

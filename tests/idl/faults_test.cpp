@@ -78,9 +78,9 @@ TEST_CASE("faults: a camera is one that the scenario has") {
 
 TEST_CASE("faults: each process has its own kinds, and others are refused by name") {
   CHECK_THAT(refusal(fault(c3rt_v2_PROCESS_PLANNER, c3rt_v2_FAULT_PUSH_OBJECT), kScope),
-             Contains("expected none, stall or nan of planner, got push-ball"));
+             Contains("expected none, stall or nan of planner, got push-object"));
   CHECK_THAT(refusal(fault(c3rt_v2_PROCESS_PLANT, c3rt_v2_FAULT_LOSE_OBJECT), kScope),
-             Contains("push-ball, drop-commands") && Contains("got lose-ball"));
+             Contains("push-object, drop-commands") && Contains("got lose-object"));
   CHECK_FALSE(
       refusal(fault(c3rt_v2_PROCESS_PLANT, static_cast<c3rt_v2_FaultKind>(7)), kScope).empty());
   CHECK_FALSE(refusal(fault(c3rt_v2_PROCESS_RECORDER, c3rt_v2_FAULT_STALL), kScope).empty());

@@ -237,7 +237,7 @@ TEST_CASE("c3rt-planner: faults that it does not have, or that do not end, are r
   };
   const wire::ServiceReply push = ask(c3rt_v2_FAULT_PUSH_OBJECT, 1.0);
   CHECK_FALSE(push.ok);
-  CHECK_THAT(push.text, Catch::Contains("expected none, stall or nan of planner, got push-ball"));
+  CHECK_THAT(push.text, Catch::Contains("expected none, stall or nan of planner, got push-object"));
   for (const double bad : {std::nan(""), 0.0, -1.0, 1e9}) {
     CAPTURE(bad);
     const wire::ServiceReply reply = ask(c3rt_v2_FAULT_STALL, bad);

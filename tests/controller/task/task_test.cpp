@@ -9,6 +9,7 @@
 #include "controller/task/line.hpp"
 #include "controller/task/path.hpp"
 #include "controller/task/pose.hpp"
+#include "controller/task/request.hpp"
 
 using namespace c3rt;
 using namespace c3rt::task;
@@ -142,6 +143,23 @@ TEST_CASE("path error: held and interpolated paths differ by at most the way bet
   // a ball that moves with the interpolated path is up to a whole side ahead of the held point
   CHECK(held.error(1.999, kSquare.point(1.999)) == Approx(0.1).margin(1e-3));
   CHECK(held.error(2.0, kSquare.point(2.0)) == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("request: a parameter is read as a person writes it") {
+  const auto same = [](const std::string& text, const std::vector<double>& values,
+                       const std::string& word) {
+    const Parameter parameter = parse_parameter(text);
+    return parameter.name == "key" && parameter.values == values && parameter.word == word;
+  };
+  CHECK(same("key=0.08", {0.08}, ""));
+  CHECK(same("key=0.55,-1e-2,3", {0.55, -0.01, 3.0}, ""));
+  CHECK(same("key=true", {1.0}, ""));
+  CHECK(same("key=false", {0.0}, ""));
+  CHECK(same("key=hold", {}, "hold"));
+  CHECK(same("key=0.5,", {}, "0.5,"));
+  CHECK(same("key=1 2", {}, "1 2"));
+  for (const char* wrong : {"", "key", "key=", "=1"})
+    CHECK_THROWS_AS(parse_parameter(wrong), RequestError);
 }
 
 TEST_CASE("middle: of a circle its centre, of a path the mean of its points, of a line its x") {
