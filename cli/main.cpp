@@ -375,7 +375,7 @@ class CommandLine {
     reproduce->add_flag("--fresh", reproduce_.fresh,
                         "Computes everything anew; else what an earlier call finished with the "
                         "same settings is kept");
-    reproduce->add_option("--seeds", reproduce_.seeds, "Of the comparison: 1..20, or 1,5,9..12")
+    reproduce->add_option("--seeds", reproduce_.seeds, "Of comparison and push_anything: 1..20, or 1,5,9..12")
         ->capture_default_str();
     reproduce
         ->add_option("--miqp-limit", reproduce_.miqp_limit,

@@ -12,7 +12,7 @@ struct Settings {
   std::string out;             // folder; empty: out/reproduce
   bool quick = false;          // short loops: for a look, not for numbers
   bool fresh = false;          // compute everything anew
-  std::string seeds = "1..5";  // of the comparison
+  std::string seeds = "1..5";  // of comparison and push_anything
   double miqp_limit = 15.0;    // of one monolithic MIQP [s]
 };
 

@@ -61,6 +61,20 @@ TEST_CASE("table3: every projection beside the paper's, in a table, a picture an
   CHECK_THAT(reproduce(folder, "table3 --quick").output, Contains("lcp: kept from an earlier run"));
 }
 
+TEST_CASE("push_anything: each object's share of seeds that reached the goal, and what was left") {
+  const Folder folder;
+  const Outcome outcome = reproduce(folder, "push_anything --quick --seeds 1..2");
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.output, Contains("box") && Contains("26.9"));
+  const json cases = results(folder, "push_anything").at("cases");
+  REQUIRE(cases.size() == 2);
+  for (const json& one : cases) {
+    CHECK(one.at("runs") == 2);
+    CHECK(one.at("goal_times_s").size() == one.at("reached"));
+    CHECK(one.at("end_position_errors_mm").size() == 2);
+  }
+}
+
 TEST_CASE("fig7: complementarity is violated less and less") {
   const Folder folder;
   REQUIRE(reproduce(folder, "fig7").status == 0);
