@@ -37,7 +37,7 @@ C3Controller::C3Controller(const Parameters& parameters,
     : dt_(parameters.dt),
       scale_forces_(parameters.scale_forces),
       force_unit_(parameters.model.force_unit),
-      size_ratio_(parameters.model.size_ratio),
+      force_scale_ratio_(parameters.model.force_scale_ratio),
       model_(std::move(model)),
       problem_(planning_problem(*model_, parameters.model)),
       all_contacts_(model::all_contacts(model_->layout())),
@@ -98,7 +98,7 @@ StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::De
   result_.solution = nullptr;
   const std::optional<double> of_model = lcs::find_force_scale(planning_);
   if (!of_model) return StepStatus::kFailed;
-  const double scale = scale_forces_ ? *of_model / (size_ratio_ * size_ratio_) : 1.0;
+  const double scale = scale_forces_ ? *of_model / force_scale_ratio_ : 1.0;
   if (scale_forces_) lcs::scale_forces(planning_, scale);
   result_.force_scale = force_unit_ * model::newtons(problem_.contact_model, scale, dt_);
 

@@ -87,7 +87,7 @@ class C3Controller {
   double dt_;
   bool scale_forces_;
   double force_unit_;  // of the model's forces [N]
-  double size_ratio_;
+  double force_scale_ratio_;
   std::unique_ptr<model::PlanningModel> model_;
   PlanningProblem problem_;
   std::vector<int> all_contacts_;

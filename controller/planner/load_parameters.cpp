@@ -1,6 +1,7 @@
 #include "controller/planner/load_parameters.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "controller/c3/load_settings.hpp"
@@ -157,9 +158,11 @@ struct Ratio {
   double mass = 1.0, size = 1.0;
 };
 
-// What the settings were seen to hold (docs/experiments.md, "Other balls"): from a smaller sphere
-// the end effector slips, as the noise of its position is the same.
-constexpr double kSmallest = 0.75, kLargest = 1.7, kLightest = 0.25, kHeaviest = 4.5;
+// What the settings were seen to hold (docs/experiments.md, "Other balls").
+constexpr double kSmallest = 0.63, kLargest = 1.7, kLightest = 0.25, kHeaviest = 4.5;
+
+// The arm is pressed down with this on a body over which the way is half as long [N].
+constexpr double kLandingPress = 3.5;
 
 /// @throws ConfigError where the model's value is not within these times the tuned one
 double carried(const config::Section& tuned, const char* key, const ModelParameters& model,
@@ -190,20 +193,31 @@ Ratio load_ratio(config::Section& section, const ModelParameters& model) {
   return ratio;
 }
 
-/// Carries what was tuned with one body over to the model's: lengths grow with it, heights are
-/// those above its top, forces grow with its mass.
+/// Carries what was tuned with one body over to the model's. Forces grow with its mass, heights are
+/// those above its top. The end effector, which stays as it is, rolls over it on a circle of both
+/// radii: ways beside the top grow with that, so that they end at the same angle.
 void carry_over(const Ratio& ratio, Parameters& parameters) {
   const model::ModelKind& kind = model::model_kind(parameters.model.kind);
   const double mass = parameters.model.values[kind.mass_key] / ratio.mass;
-  const double larger = parameters.model.values[kind.size_key] * (1.0 - 1.0 / ratio.size);
+  const double radius = parameters.model.values[kind.size_key], tuned = radius / ratio.size;
+  const double larger = radius - tuned, effector = parameters.geometry.end_effector_radius;
+  const double way = (radius + effector) / (tuned + effector);
+  // What is over sooner on a smaller body gets less time: Phase I by the way at the same speed, a
+  // planning step by the time in which gravity moves a body along it. A larger one has room for the
+  // same times. Phase II takes the time that the arm needs.
+  const double shorter = std::min(1.0, way), step = std::sqrt(shorter);
+  parameters.dt *= step;
   parameters.model.values.set(kind.mass_key, mass);
   parameters.model.force_unit = ratio.mass;
-  parameters.model.size_ratio = ratio.size;
+  parameters.model.force_scale_ratio = (ratio.size / step) * (ratio.size / step);
   HeuristicParameters& heuristic = parameters.heuristic;
-  heuristic.roll_press *= ratio.mass;
-  heuristic.roll_reach *= ratio.size;
-  heuristic.return_back *= ratio.size;
+  heuristic.roll_duration *= shorter;
+  heuristic.roll_reach *= way;
+  heuristic.return_back *= way;
   heuristic.return_heights.array() += 2.0 * larger;
+  // The arm rebounds where it lands, for a time that is a larger part of a shorter way, and over a
+  // gap there is no grip. What presses it down makes the time shorter by as much.
+  heuristic.roll_press = heuristic.roll_press * ratio.mass + kLandingPress * (1.0 / shorter - 1.0);
   parameters.approach.safe_height += 2.0 * larger;
   parameters.approach.start_height += larger;
 }

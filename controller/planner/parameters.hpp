@@ -26,9 +26,10 @@ struct ModelParameters {
   // that mass, which changes no motion (all forces are proportional to it), and its forces count in
   // this unit [N].
   double force_unit = 1.0;
-  // Of another size: λ is scaled as for that size. The scale of the forces of an LCS grows with the
-  // square of a body's size, which would be another weight on the same force.
-  double size_ratio = 1.0;
+  // Of another size, planned with another step: λ is scaled as for those. The scale of the forces
+  // of an LCS grows with the square of a body's size over the step, which would be another weight
+  // on the same force.
+  double force_scale_ratio = 1.0;
   model::ContactModel contact_model;  // of L_Δt; the step over Δt_c is Stewart and Trinkle's
   std::set<std::string> pairs;  // that L_Δt has, by their names; the step over Δt_c has them all
 };

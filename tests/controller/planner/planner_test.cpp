@@ -17,9 +17,11 @@ using Eigen::Vector3d;
 namespace {
 
 const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
+const std::string kFast = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_fast.yaml";
 
-Parameters parameters(const std::vector<std::string>& overrides = {}) {
-  return config::load_scenario(kScenario, overrides).planner;
+Parameters parameters(const std::vector<std::string>& overrides = {},
+                      const std::string& scenario = kScenario) {
+  return config::load_scenario(scenario, overrides).planner;
 }
 
 const Vector3d kBall(0.55, 0.1, -0.0245 + 0.0315);
@@ -545,41 +547,88 @@ TEST_CASE("planner: twice the mass is moved the same way, bit for bit, by twice 
   CHECK(largest > 0.1);  // it came to touch the ball
 }
 
-TEST_CASE("planner: heights are those above the ball's top, ways beside it grow with the ball") {
-  const std::vector<std::string> keys{"planner.model.ball_radius_m=0.05"};
-  const Parameters small = parameters(), large = parameters(keys);
-  const double top = 2.0 * (0.05 - 0.0315), ratio = 0.05 / 0.0315;
-  for (int i = 0; i < 3; ++i)
-    CHECK(large.heuristic.return_heights[i] == Approx(small.heuristic.return_heights[i] + top));
-  CHECK(large.heuristic.return_back == Approx(ratio * small.heuristic.return_back));
-  CHECK(large.approach.safe_height == Approx(small.approach.safe_height + top));
-  CHECK(large.approach.start_height == Approx(small.approach.start_height + 0.5 * top));
-  CHECK(large.model.size_ratio == Approx(ratio));
-  CHECK(large.model.force_unit == 1.0);  // of the same mass
+TEST_CASE("planner: heights are those above the ball's top, ways over it end at the same angle") {
+  for (const double radius : {0.02, 0.025, 0.04, 0.05}) {
+    CAPTURE(radius);
+    const Parameters tuned = parameters({}, kFast),
+                     other = parameters({"planner.model.ball_radius_m=" + std::to_string(radius)},
+                                        kFast);
+    const double top = 2.0 * (radius - 0.0315);
+    for (int i = 0; i < 3; ++i)
+      CHECK(other.heuristic.return_heights[i] == Approx(tuned.heuristic.return_heights[i] + top));
+    CHECK(other.approach.safe_height == Approx(tuned.approach.safe_height + top));
+    CHECK(other.approach.start_height == Approx(tuned.approach.start_height + 0.5 * top));
+    // the end effector's centre goes round the ball's on a circle of both radii
+    const double effector = tuned.geometry.end_effector_radius;
+    const auto angle = [&](double beside, double of) {
+      return std::asin(beside / (of + effector));
+    };
+    CHECK(angle(other.heuristic.return_back, radius) ==
+          Approx(angle(tuned.heuristic.return_back, 0.0315)));
+    CHECK(angle(other.heuristic.roll_reach, radius) ==
+          Approx(angle(tuned.heuristic.roll_reach, 0.0315)));
+    CHECK(other.model.force_unit == 1.0);  // of the same mass
+  }
+}
+
+TEST_CASE("planner: what is over sooner on a smaller ball has less time, a larger one the same") {
+  const Parameters tuned = parameters(), small = parameters({"planner.model.ball_radius_m=0.02"}),
+                   large = parameters({"planner.model.ball_radius_m=0.05"});
+  const double way = (0.02 + 0.0195) / (0.0315 + 0.0195);
+  CHECK(small.heuristic.roll_duration == Approx(way * tuned.heuristic.roll_duration));
+  CHECK(small.dt == Approx(std::sqrt(way) * tuned.dt));
+  CHECK(small.heuristic.roll_press > 0.5);
+  for (const Parameters& same : {small, large})
+    CHECK(same.heuristic.return_duration == tuned.heuristic.return_duration);
+  CHECK(large.heuristic.roll_duration == tuned.heuristic.roll_duration);
+  CHECK(large.dt == tuned.dt);
+  CHECK(large.heuristic.roll_press == 0.0);
+}
+
+TEST_CASE("planner: a force is weighed alike on balls of every size and step") {
+  const auto force_scale = [](const std::string& radius) {
+    const Parameters of = parameters({"planner.model.ball_radius_m=" + radius});
+    C3Controller c3(of);
+    const int costs = c3.add_costs(costs_of(c3.problem(), of.roll, 0));
+    scene::Scene scene = c3.model().layout().world;
+    scene::Body& ball = scene.body(0);
+    ball.p_WB << 0.55, 0.1, of.geometry.table_height + ball.shape.radius;
+    scene.effector.p_WE =
+        ball.p_WB + (ball.shape.radius + scene.effector.radius) * Vector3d::UnitZ();
+    for (int k = 0; k <= of.N; ++k) c3.want(k, scene, scene);
+    REQUIRE(c3.plan(scene, costs, {}) != StepStatus::kFailed);
+    return c3.result().force_scale;
+  };
+  const double tuned = force_scale("0.0315");
+  for (const char* radius : {"0.02", "0.025", "0.04", "0.05"}) {
+    CAPTURE(radius);
+    CHECK(force_scale(radius) == Approx(tuned).epsilon(0.05));  // else 0.4 to 2.5 times
+  }
 }
 
 TEST_CASE("planner: a ball that the settings do not hold is refused, with the range that they do") {
   using Catch::Contains;
-  for (const char* held : {"0.025", "0.05"})
+  for (const char* held : {"0.02", "0.025", "0.05"})
     CHECK_NOTHROW(parameters({std::string("planner.model.ball_radius_m=") + held}));
-  for (const char* held : {"0.05", "0.528"})
+  for (const char* held : {"0.05", "0.528", "0.033785"})
     CHECK_NOTHROW(parameters({std::string("planner.model.ball_mass_kg=") + held}));
-  CHECK_THROWS_WITH(parameters({"planner.model.ball_radius_m=0.02"}),
+  CHECK_THROWS_WITH(parameters({"planner.model.ball_radius_m=0.015"}),
                     Contains("planner.tuned_for.radius_m") &&
-                        Contains("model.ball_radius_m is 0.75 to 1.7 times") &&
-                        Contains("0.635 times"));
+                        Contains("model.ball_radius_m is 0.63 to 1.7 times") &&
+                        Contains("0.476 times"));
   CHECK_THROWS_WITH(parameters({"planner.model.ball_mass_kg=0.02"}),
                     Contains("model.ball_mass_kg is 0.25 to 4.5 times"));
   // with settings of its own it is its own business
   CHECK_NOTHROW(
-      parameters({"planner.model.ball_radius_m=0.02", "planner.tuned_for.radius_m=0.02"}));
+      parameters({"planner.model.ball_radius_m=0.015", "planner.tuned_for.radius_m=0.015"}));
 }
 
 TEST_CASE("planner: for the ball that it was tuned for everything is taken as it stands") {
   const Parameters same =
       parameters({"planner.tuned_for.radius_m=0.05", "planner.tuned_for.mass_kg=0.2",
                   "planner.model.ball_radius_m=0.05", "planner.model.ball_mass_kg=0.2"});
-  CHECK(same.model.size_ratio == 1.0);
+  CHECK(same.model.force_scale_ratio == 1.0);
+  CHECK(same.dt == parameters().dt);
   CHECK(same.model.force_unit == 1.0);
   CHECK(same.model.values["ball_mass_kg"] == 0.2);
   CHECK(same.heuristic.return_back == parameters().heuristic.return_back);
