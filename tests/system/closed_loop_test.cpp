@@ -93,6 +93,12 @@ TEST_CASE("closed loop: C3+ and the convex projection roll it round, too, withou
   }
 }
 
+TEST_CASE("closed loop: sampled places alone roll it round, without a heuristic in time") {
+  const Course course = run("circle_sampling", 1, 30.0, {"vision.source=emulated"});
+  CHECK(course.turns > 1.0);
+  CHECK(course.largest_error < 0.02);
+}
+
 TEST_CASE("closed loop: a table tilted by one degree, which nobody told it, keeps the ball") {
   // without the press on the ball these were lost after 3 to 10 s
   for (const std::uint64_t seed : {1, 6, 20}) {

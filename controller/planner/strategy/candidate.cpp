@@ -8,7 +8,7 @@
 namespace c3rt::planner {
 
 Candidate::Candidate(const Parameters& parameters, const ServoGains& servo)
-    : c3_(parameters), lemke_(c3_.n_lambda()), N_(parameters.N) {
+    : c3_(parameters), lemke_(c3_.n_lambda()), N_(parameters.N), dt_(parameters.dt) {
   if (c3_.n_u() != 3)
     throw std::invalid_argument(
         "strategy sampling: expected a model with the force on the end "
@@ -23,6 +23,7 @@ Candidate::Candidate(const Parameters& parameters, const ServoGains& servo)
   w_.setZero(c3_.n_u(), N_);
   x_.setZero(c3_.n_x(), N_ + 1);
   lambda_.setZero(c3_.n_lambda(), N_);
+  x_alone_.setZero(c3_.n_x());
 }
 
 void Candidate::set_costs(const c3::Costs& costs) {
@@ -38,9 +39,9 @@ void Candidate::set_costs(const c3::Costs& costs) {
   }
 }
 
-Worth Candidate::worth(const scene::Scene& from, const scene::Scene& desired) {
+Worth Candidate::worth(const scene::Scene& from, const std::vector<scene::Scene>& desired) {
   Worth worth;
-  for (int k = 0; k <= N_; ++k) c3_.want(k, desired, from);
+  for (int k = 0; k <= N_; ++k) c3_.want(k, desired[static_cast<std::size_t>(k)], from);
   if (c3_.plan(from, costs_, {}) == StepStatus::kFailed) return worth;
   const c3::Solution& plan = *c3_.result().solution;
   planned_.leftCols(N_ - 1) = plan.z.topRows(c3_.n_x()).rightCols(N_ - 1);
@@ -52,9 +53,12 @@ Worth Candidate::worth(const scene::Scene& from, const scene::Scene& desired) {
   const auto cost_of = [&](const auto& x, int k) {
     return (x - c3_.x_desired().col(k)).cwiseAbs2().dot(Q_);
   };
+  alone_ = from;
   for (int k = 1; k <= N_; ++k) {
+    for (int i = 0; i < alone_.body_count; ++i) alone_.body(i).p_WB += dt_ * alone_.body(i).v_WB;
+    c3_.model().state_about(alone_, from, x_alone_);
     worth.cost += cost_of(x_.col(k), k);
-    worth.still += cost_of(c3_.x_hat(), k);
+    worth.still += cost_of(x_alone_, k);
   }
   worth.known = true;
   return worth;

@@ -9,7 +9,7 @@ namespace c3rt::planner {
 struct Worth {
   bool known = false;  // else the plan or its simulation has no answer
   double cost = 0.0;   // where the end effector tries the plan
-  double still = 0.0;  // and where nothing moves
+  double still = 0.0;  // and where it touches nothing
   double gain() const noexcept { return known ? still - cost : 0.0; }
 };
 
@@ -27,8 +27,8 @@ class Candidate {
 
   void set_costs(const c3::Costs& costs);
   /// @param from the scene with the end effector at the place
-  /// @param desired of every stage
-  Worth worth(const scene::Scene& from, const scene::Scene& desired);
+  /// @param desired at stages 0 … N
+  Worth worth(const scene::Scene& from, const std::vector<scene::Scene>& desired);
 
   C3Controller& c3() noexcept { return c3_; }
 
@@ -37,9 +37,12 @@ class Candidate {
   int costs_ = -1;
   Eigen::VectorXd Q_;  // diagonal, of the objects alone
   Eigen::MatrixXd K_, G_, planned_, w_, x_, lambda_;
+  Eigen::VectorXd x_alone_;
+  scene::Scene alone_;
   lcs::Lcs closed_;
   lcs::Lemke lemke_;
   int N_;
+  double dt_;
 };
 
 }  // namespace c3rt::planner

@@ -33,6 +33,8 @@ class FreeMotion {
 
   /// Anew from here.
   void begin(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE) noexcept;
+  /// The goal and all bodies have moved by this.
+  void carry(const Eigen::Vector3d& moved) noexcept { reference_ += moved; }
   /// One period.
   void step(const ApproachInput& input, const scene::Scene& scene, const Eigen::Vector3d& goal,
             double safe) noexcept;

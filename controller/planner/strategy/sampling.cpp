@@ -29,6 +29,9 @@ double yaw_to(const scene::Body& body, const task::Goal& goal) {
   return goal.yaw ? std::remainder(*goal.yaw - scene::yaw(body), 2.0 * M_PI) : 0.0;
 }
 
+/// It goes on by itself, where others lie still.
+bool rolls(const scene::Body& body) { return body.shape.kind == scene::ShapeKind::kSphere; }
+
 FreeMotionParameters free_motion_of(const Parameters& parameters) {
   const SamplingParameters& sampling = parameters.sampling;
   return {sampling.speed, sampling.acceleration, sampling.clear, parameters.approach.leash};
@@ -90,7 +93,7 @@ class Sampling final : public Strategy {
     const Input& input = *now.input;
     State& s = state_;
     s.task.take(input.target);
-    const std::optional<task::Goal> goal = s.task.goal();
+    const std::optional<task::Goal> goal = goal_of(now);
     const Stage before = s.stage;
     const bool goes = ready(now, goal);
     if (goes) {
@@ -159,6 +162,15 @@ class Sampling final : public Strategy {
     return ready;
   }
 
+  /// Where the body is to come to rest; of a task without goals where it should be next, which it
+  /// never reaches.
+  std::optional<task::Goal> goal_of(const Situation& now) const {
+    const TaskAtHand& task = state_.task;
+    if (const auto goal = task.goal()) return goal;
+    if (now.scene.body_count == 0) return std::nullopt;
+    return task::Goal{0, task.target(now.scene, 0, now.input->now, 0.0), std::nullopt, 0.0, 0.0};
+  }
+
   Stage next(const Situation& now, const task::Goal& goal) {
     const Input& input = *now.input;
     State& s = state_;
@@ -181,6 +193,11 @@ class Sampling final : public Strategy {
         return move_to(best->p_WE, now);
       }
       case Stage::kMove: {
+        // what rolls takes the place with it, and the way there
+        Eigen::Vector3d carried = now.period * decision_.x_hat.body(goal.body).v_WB;
+        carried.z() = 0.0;
+        s.target += carried;
+        s.way.carry(carried);
         draw(now, goal.body, of_.samples, &s.target);
         const Place* best = s.places.best(s.target, kApart);
         if (best != nullptr && best->worth.cost < of_.retarget * s.there.cost)
@@ -236,8 +253,10 @@ class Sampling final : public Strategy {
     decision_.x_hat = scene;
     scene::Body& body = decision_.x_hat.body(goal.body);
     // what lies on the table moves no farther than it is pushed; its measured velocity is noise
-    body.v_WB.setZero();
-    body.omega_WB.setZero();
+    if (!rolls(body)) {
+      body.v_WB.setZero();
+      body.omega_WB.setZero();
+    }
     const Eigen::Vector2d way = goal.at - body.p_WB.head<2>();
     const double turn = yaw_to(body, goal);
     wanted_ = decision_.x_hat;
@@ -250,6 +269,14 @@ class Sampling final : public Strategy {
     wanted_.effector.p_WE.z() = rules_.height;
     wanted_.effector.v_WE.setZero();
     std::fill(decision_.desired.begin(), decision_.desired.end(), wanted_);
+    if (rolls(body)) {
+      const Eigen::Vector2d step = ahead / parameters_.N * way;
+      for (int k = 0; k <= parameters_.N; ++k) {
+        scene::Body& rolling = decision_.desired[static_cast<std::size_t>(k)].body(goal.body);
+        rolling.p_WB.head<2>() = body.p_WB.head<2>() + k * step;
+        rolling.v_WB << step / parameters_.dt, 0.0;
+      }
+    }
     decision_.body_target << goal.at, body.p_WB.z();
 
     const model::Layout& layout = c3.model().layout();
@@ -283,7 +310,7 @@ class Sampling final : public Strategy {
         from.effector.p_WE = tried_[i].p_WE;
         from.effector.v_WE.setZero();
       }
-      tried_[i].worth = rooms_[i]->worth(from, wanted_);
+      tried_[i].worth = rooms_[i]->worth(from, decision_.desired);
     }
     const std::size_t first = other == nullptr ? 0 : 1;
     if (other == &now.input->effector.p_WE) s.here = tried_[0].worth;

@@ -126,3 +126,25 @@ TEST_CASE("free motion: it rests where an arm is that does not follow, and waits
   CHECK((way.reference() - arm).norm() < 0.02 + 0.3 * kPeriod);
   CHECK_FALSE(way.there());
 }
+
+TEST_CASE("free motion: a place that a body carries along is reached, and kept") {
+  scene::Scene scene = scene_of_box();
+  Vector3d goal = beside(scene, 2.0, 0.01), at = beside(scene, 0.5, 0.01);
+  FreeMotion way(kParameters);
+  way.begin(at, Vector3d::Zero());
+  const Vector3d moved(0.05 * kPeriod, -0.02 * kPeriod, 0.0);
+  int there = 0;
+  for (int i = 0; i < 200; ++i) {
+    scene.body(0).p_WB += moved;
+    goal += moved;
+    way.carry(moved);
+    way.step({i * kPeriod, kPeriod, way.reference(), true}, scene, goal, kSafe);
+    if (way.there()) {
+      ++there;
+      CHECK((way.reference() - goal).norm() < 1e-9);
+    } else {
+      CHECK(there == 0);
+    }
+  }
+  CHECK(there > 100);
+}
