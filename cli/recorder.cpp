@@ -62,8 +62,14 @@ PlanRow row_of(const wire::Plan& sample) {
 }
 
 EstimateRow row_of(const wire::ObjectEstimate& sample) {
-  return {sample.header.time_ns, sample.exposure_ns,  static_cast<int>(sample.object_index),
-          sample.valid,          sample.sensors_used, vector(sample.p_measured_m)};
+  const double(&q)[4] = sample.q_measured;
+  return {sample.header.time_ns,
+          sample.exposure_ns,
+          static_cast<int>(sample.object_index),
+          sample.valid,
+          sample.sensors_used,
+          vector(sample.p_measured_m),
+          Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
 }
 
 }  // namespace

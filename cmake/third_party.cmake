@@ -16,6 +16,9 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_path(OPENCV_INCLUDE_DIRECTORY opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 find_library(OPENCV_CORE opencv_core REQUIRED)
 find_library(OPENCV_IMGPROC opencv_imgproc REQUIRED)
+find_path(APRILTAG_INCLUDE_DIRECTORY apriltag/apriltag.h REQUIRED)
+find_library(APRILTAG apriltag REQUIRED)
+find_library(APRILTAG_UTILS apriltag-utils REQUIRED)
 find_package(pinocchio 3.4 REQUIRED)
 find_package(Boost REQUIRED COMPONENTS filesystem)
 
@@ -32,6 +35,8 @@ c3rt_imported(osqp INCLUDE "${C3RT_THIRD_PARTY}/include/osqp" LINK "${C3RT_THIRD
 c3rt_imported(mujoco LINK mujoco)
 c3rt_imported(osmesa LINK OSMesa)
 c3rt_imported(opencv INCLUDE "${OPENCV_INCLUDE_DIRECTORY}" LINK "${OPENCV_IMGPROC}" "${OPENCV_CORE}")
+# its own headers include one another from within its folder
+c3rt_imported(apriltag INCLUDE "${APRILTAG_INCLUDE_DIRECTORY}" "${APRILTAG_INCLUDE_DIRECTORY}/apriltag" LINK "${APRILTAG}" "${APRILTAG_UTILS}")
 c3rt_imported(pinocchio LINK pinocchio::pinocchio)
 
 # A general MIQP solver, to compare with and for nothing else: without it those targets are left out.

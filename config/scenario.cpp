@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "config/robot.hpp"
@@ -85,6 +86,30 @@ std::string text_of(double value) {
   return text.str();
 }
 
+/// Cameras know spheres by their outline and other objects by their tags.
+void check_tags(const Scenario& scenario, const Section& vision) {
+  std::map<int, std::string> owners;
+  for (const plant::ObjectParameters& object : scenario.plant.world.objects) {
+    if (plant::is_sphere(object)) continue;
+    const std::string name = "\"" + object.object.name + "\"";
+    if (object.object.tags.empty()) {
+      vision.fail("source",
+                  "emulated, or sites tag36h11_ID in the MuJoCo model of " + name +
+                      ", as cameras know what is no sphere by its tags",
+                  "cameras");
+    }
+    if (!scenario.vision.tags)
+      vision.fail("tags", "the section, as cameras know " + name + " by its tags", "none");
+    for (const scene::Tag& tag : object.object.tags) {
+      const auto [other, fresh] = owners.insert({tag.id, name});
+      if (!fresh) {
+        vision.fail("source", "emulated, or objects whose tags differ",
+                    "tag " + std::to_string(tag.id) + " on " + other->second + " and on " + name);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
@@ -125,12 +150,7 @@ Scenario read_scenario(Section root) {
   const auto other =
       std::find_if(objects.begin(), objects.end(),
                    [](const plant::ObjectParameters& object) { return !plant::is_sphere(object); });
-  if (other != objects.end() && scenario.vision.source == vision::SourceKind::kCameras) {
-    vision.fail(
-        "source",
-        "emulated, as cameras track spheres alone and \"" + other->object.name + "\" is none",
-        "cameras");
-  }
+  if (scenario.vision.source == vision::SourceKind::kCameras) check_tags(scenario, vision);
   if (scenario.vision.acceleration_filter && (other != objects.end() || objects.size() != 1)) {
     vision.fail("acceleration_filter", "one sphere, as others would touch it",
                 other != objects.end() ? "\"" + other->object.name + "\", which is none"

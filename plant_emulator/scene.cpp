@@ -75,6 +75,9 @@ constexpr double kFlangeOffset = 0.107;  // along z of link 7 [m]
 // Contacts as stiff as the step allows: 2 ms lets a sphere sink 0.04 mm under its weight.
 constexpr const char* kContactStiffness = R"(solref="0.002 1" solimp="0.9 0.95 0.001 0.5 2")";
 
+constexpr double kTagThickness = 2e-5;  // half of it [m]
+constexpr int kPixelsPerCell = 16;      // of a tag's texture
+
 // The arm's looks: capsules along its links, {link (0 = base), from, to, radius} in the link's
 // frame [m].
 struct Capsule {
@@ -236,7 +239,52 @@ std::string inertia(const Eigen::Matrix3d& I) {
          join(std::array<double, 6>{I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}) + "\"";
 }
 
-std::string body(const World& world, std::size_t index) {
+std::string tag_name(int id) { return "tag" + std::to_string(id); }
+
+const TagPicture* picture_of(const SceneParameters& parameters, int id) {
+  const auto found = std::find_if(parameters.tag_pictures.begin(), parameters.tag_pictures.end(),
+                                  [&](const TagPicture& picture) { return picture.id == id; });
+  return found == parameters.tag_pictures.end() ? nullptr : &*found;
+}
+
+/// A picture just above the surface, so that it alone is seen.
+std::string tag_geom(const scene::Tag& tag, const TagPicture& picture) {
+  const double half = 0.5 * tag.size * picture.side / (picture.side - 2 * picture.border);
+  return "<geom type=\"box\" size=\"" + join(Eigen::Vector3d(half, half, kTagThickness)) +
+         "\" pos=\"" + join(tag.p_BT) + "\" quat=\"" + join(Eigen::Quaterniond(tag.R_BT)) +
+         "\" material=\"" + tag_name(tag.id) + "\"/>\n";
+}
+
+std::string tag_assets(const SceneParameters& parameters) {
+  std::string text;
+  for (const TagPicture& picture : parameters.tag_pictures) {
+    const std::string side = std::to_string(picture.side * kPixelsPerCell);
+    const std::string name = tag_name(picture.id);
+    // the pixels are a placeholder; paint_tags() puts the picture
+    text += "<texture name=\"" + name + "\" type=\"2d\" builtin=\"flat\" width=\"" + side +
+            "\" height=\"" + side + "\"/>\n<material name=\"" + name + "\" texture=\"" + name +
+            "\" specular=\"0\"/>\n";
+  }
+  return text;
+}
+
+/// MuJoCo reads textures from files alone.
+void paint_tags(mjModel& model, const std::vector<TagPicture>& pictures) {
+  for (const TagPicture& picture : pictures) {
+    const int texture = mj_name2id(&model, mjOBJ_TEXTURE, tag_name(picture.id).c_str());
+    mjtByte* pixel = model.tex_rgb + model.tex_adr[texture];
+    const int side = picture.side * kPixelsPerCell;
+    for (int row = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column, pixel += 3) {
+        const int cell = row / kPixelsPerCell * picture.side + column / kPixelsPerCell;
+        std::fill(pixel, pixel + 3, picture.cells[static_cast<std::size_t>(cell)]);
+      }
+    }
+  }
+}
+
+std::string body(const SceneParameters& parameters, std::size_t index) {
+  const World& world = parameters.world;
   const ObjectParameters& object = world.objects[index];
   const Eigen::Isometry3d start = object_start(world, index);
   const std::string& name = object.object.name;
@@ -248,6 +296,9 @@ std::string body(const World& world, std::size_t index) {
   const std::vector<scene::Part>& parts = object.object.parts->parts;
   for (std::size_t k = 0; k < parts.size(); ++k)
     text += geom(parts[k], geom_name(object.object, k), index);
+  for (const scene::Tag& tag : object.object.tags) {
+    if (const TagPicture* picture = picture_of(parameters, tag.id)) text += tag_geom(tag, *picture);
+  }
   return text + "</body>\n";
 }
 
@@ -311,7 +362,7 @@ std::string xml(const SceneParameters& parameters) {
   <default class="tool"><geom group="0" rgba="0.10 0.11 0.13 1"/></default>
 </default>
 )";
-  text += "<asset>\n" + mesh_assets(world);
+  text += "<asset>\n" + mesh_assets(world) + tag_assets(parameters);
   for (int i = 0; meshes && i <= kJoints; ++i)
     text += "<mesh file=\"link" + std::to_string(i) + ".stl\"/>\n";
   text += "</asset>\n";
@@ -329,7 +380,7 @@ std::string xml(const SceneParameters& parameters) {
 
   std::string pairs;
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    text += body(world, i);
+    text += body(parameters, i);
     pairs += pairs_of(world, i);
   }
   pairs += contact_pair("table", "end_effector", world.friction.end_effector_table, 0);
@@ -442,6 +493,7 @@ Model compile_model(const std::string& mjcf) {
 Model build_model(const SceneParameters& parameters) {
   check(parameters);
   Model model = compile_model(xml(parameters));
+  paint_tags(*model, parameters.tag_pictures);
 
   for (int i = 0; i < kJoints; ++i)
     write_inertia(*model, "link" + std::to_string(i + 1),

@@ -2,6 +2,7 @@
 // The MuJoCo model of robot, table and objects; the plant steps it and the virtual cameras render
 // it.
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -93,6 +94,14 @@ struct CameraPose {
   double fovy;  // vertical field of view [rad]
 };
 
+/// What is printed where an object has a tag: square cells, black and white.
+struct TagPicture {
+  int id = 0;
+  int side = 0;                     // cells along an edge, the white border included
+  int border = 0;                   // cells of white on each side of the black square
+  std::vector<std::uint8_t> cells;  // 0 or 255, by rows from the top
+};
+
 struct SceneParameters {
   World world;
   std::vector<CameraPose> cameras;
@@ -100,6 +109,7 @@ struct SceneParameters {
   int offscreen_height;        // [px]
   int offscreen_samples;       // multisampling, 0 for none
   std::string mesh_directory;  // folder of link0.stl .. link7.stl; empty: primitives only
+  std::vector<TagPicture> tag_pictures = {};  // of the tags that are drawn, others are not
 };
 
 struct ModelDeleter {

@@ -39,7 +39,8 @@ may(controller/example controller/base controller/lcs controller/c3 controller/m
 may(controller/planner controller/base controller/scene controller/task controller/lcs controller/c3 controller/model)
 may(controller/impedance controller/model)
 may(vision/track controller/base)
-may(vision controller/base vision/track plant_emulator)
+may(vision/tag controller/base controller/scene vision/track)
+may(vision controller/base controller/scene vision/track vision/tag plant_emulator)
 may(plant_emulator controller/base controller/scene controller/mjcf)
 may(config)
 may(idl controller/base controller/rt controller/scene controller/task config)
@@ -72,14 +73,14 @@ files_may("_main[.]cpp$" config idl controller/base controller/rt)
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.
 set(pure controller/base controller/scene controller/task controller/lcs controller/qp controller/c3 controller/horizon
     controller/miqp
-    controller/model controller/example controller/planner controller/impedance vision/track)
+    controller/model controller/example controller/planner controller/impedance vision/track vision/tag)
 set(impure_files "/load_[a-z_]+[.][ch]pp$|_main[.]cpp$|/service[.]|/servo[.]")
 set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco")
 
 # Third-party libraries have one owner each.
-set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/")
+set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/" "<apriltag/")
 set(owners "^controller/model/arm[.]cpp" "^controller/qp/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
-    "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]")
+    "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]" "^vision/apriltag[.]cpp")
 
 # The room of a path: its longest folder that has a row.
 function(room_of path out)

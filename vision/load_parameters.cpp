@@ -48,6 +48,21 @@ DetectorParameters load_detector(config::Section section) {
   return p;
 }
 
+TagParameters load_tags(config::Section section) {
+  TagParameters p{};
+  p.margin = section.number("margin_px", {1, 500});
+  p.region = section.integer("region_px", {16, 2048});
+  p.fit.corner_noise = section.number("corner_noise_px", {0.01, 10});
+  p.fit.inlier = section.number("inlier_px", {0.1, 20});
+  p.filter.speed = section.number("speed_m_per_s", {1e-3, 10});
+  p.filter.angular_speed = section.number("angular_speed_rad_per_s", {1e-3, 100});
+  p.filter.memory = section.number("memory_s", {0.01, 100});
+  p.filter.gate = section.number("gate", {1, 100});
+  p.filter.gate_misses = section.integer("gate_misses", {0, 1000});
+  p.filter.lost_after = section.number("lost_after_s", {0.01, 10});
+  return p;
+}
+
 CameraParameters load_camera(config::Section section) {
   CameraParameters p{};
   p.name = section.name("name");
@@ -95,6 +110,7 @@ Parameters load_parameters(config::Section section) {
   }
   if (section.given("detector", cameras, why))
     p.detector = load_detector(section.section("detector"));
+  if (section.has("tags")) p.tags = load_tags(section.section("tags"));
   p.colours = ObjectColours::kDistinct;
   if (section.has("object_colours")) {
     p.colours = section.choice<ObjectColours>(
@@ -102,6 +118,11 @@ Parameters load_parameters(config::Section section) {
   }
   if (section.given("pixel_noise", cameras, why))
     p.pixel_noise = section.number("pixel_noise", {0, 50});
+  if (section.has("calibration_error")) {
+    config::Section error = section.section("calibration_error");
+    p.calibration_error.position = error.number("position_m", {0, 0.1});
+    p.calibration_error.angle = error.number("angle_rad", {0, 0.1});
+  }
   if (section.given("cameras", cameras, why)) {
     for (config::Section& camera : section.list("cameras", 0, kMaxCameras))
       p.cameras.push_back(load_camera(camera));
@@ -112,6 +133,10 @@ Parameters load_parameters(config::Section section) {
   for (const CameraParameters& camera : p.cameras) {
     if (p.detector.roi > camera.width || p.detector.roi > camera.height) {
       section.fail("cameras", "images not smaller than detector.roi_px",
+                   "a smaller one: " + camera.name);
+    }
+    if (p.tags && (p.tags->region > camera.width || p.tags->region > camera.height)) {
+      section.fail("cameras", "images not smaller than tags.region_px",
                    "a smaller one: " + camera.name);
     }
   }

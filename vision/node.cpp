@@ -22,8 +22,33 @@ Node::Node(const Parameters& parameters, const std::vector<ObjectStart>& objects
       source_(source),
       of_acceleration_(parameters.acceleration_filter) {
   if (of_acceleration_) acceleration_.emplace(*of_acceleration_);
-  for (const ObjectStart& object : objects_)
-    estimators_.emplace_back(parameters.estimator, object.radius);
+  const bool tags = parameters.source == SourceKind::kCameras && parameters.tags;
+  for (const ObjectStart& object : objects_) {
+    if (tags && !object.radius) {
+      filters_.emplace_back(PoseFilter(parameters.tags->filter));
+    } else {
+      filters_.emplace_back(Estimator(parameters.estimator, object.radius));
+    }
+  }
+}
+
+const Estimate& Node::estimate(std::size_t index) const noexcept {
+  return std::visit([](const auto& filter) -> const Estimate& { return filter.estimate(); },
+                    filters_[index]);
+}
+
+Prediction Node::prediction(std::size_t index, std::int64_t exposure_ns) const {
+  const Estimate& before = estimate(index);
+  Prediction expected{objects_[index].p_WB, before.valid || !before.seen};
+  if (!before.seen) return expected;
+  if (const auto* of_poses = std::get_if<PoseFilter>(&filters_[index])) {
+    const Eigen::Isometry3d X_WB = of_poses->predict(exposure_ns);
+    expected.p_WB = X_WB.translation();
+    expected.q_WB = Eigen::Quaterniond(X_WB.linear());
+  } else {
+    expected.p_WB = std::get<Estimator>(filters_[index]).predict(exposure_ns);
+  }
+  return expected;
 }
 
 void Node::inject(const wire::FaultInject& fault, std::int64_t now_ns) {
@@ -52,11 +77,8 @@ const Node::Output& Node::step(std::int64_t now_ns) {
   output_.exposure_ns = *exposure_ns;
   count_exposure(*exposure_ns);
   predictions_.clear();
-  for (std::size_t i = 0; i < estimators_.size(); ++i) {
-    const Estimate& before = estimators_[i].estimate();
-    predictions_.push_back({before.seen ? estimators_[i].predict(*exposure_ns) : objects_[i].p_WB,
-                            before.valid || !before.seen});
-  }
+  for (std::size_t i = 0; i < filters_.size(); ++i)
+    predictions_.push_back(prediction(i, *exposure_ns));
   std::vector<Observation> seen = source_.observe(predictions_);
   for (std::size_t i = 0; i < seen.size(); ++i) observe(i, *exposure_ns, seen[i]);
   return output_;
@@ -73,31 +95,31 @@ void Node::count_exposure(std::int64_t exposure_ns) {
 }
 
 void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& seen) {
-  Estimator& estimator = estimators_[index];
-  const Estimate before = estimator.estimate();
+  const Estimate before = estimate(index);
   if (exposure_ns < lose_until_ns_) {
     seen.measurement.found = false;
     seen.cameras_used = 0;
     for (View& view : seen.views) view.detection.found = view.used = false;
   }
-  const Estimate& estimate = estimator.step(seen.measurement);
+  std::visit([&](auto& filter) { filter.step(seen.measurement); }, filters_[index]);
+  const Estimate& now = estimate(index);
   counters_.cameras_used += static_cast<std::uint64_t>(seen.cameras_used);
-  tell(index, before, estimate);
+  tell(index, before, now);
 
   wire::ObjectEstimate out{};
   out.object_index = static_cast<int>(index);
   wire::set_text(out.name, objects_[index].name);
   out.exposure_ns = exposure_ns;
-  out.valid = estimate.valid;
+  out.valid = now.valid;
   out.sensors_used = seen.cameras_used;
-  wire::fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : estimate.p_WB);
+  wire::fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : now.p_WB);
   if (seen.measurement.found && seen.measurement.q_WB)
     wire::fill(out.q_measured, *seen.measurement.q_WB);
-  wire::fill(out.p_WB_m, estimate.p_WB);
-  wire::fill(out.v_WB_m_per_s, estimate.v_WB);
-  wire::fill(out.omega_rad_per_s, estimate.omega_WB);
-  if (acceleration_) wire::fill(out.a_WB_m_per_s2, free_acceleration(seen.measurement, estimate));
-  wire::fill(out.q_WB, estimate.q_WB);
+  wire::fill(out.p_WB_m, now.p_WB);
+  wire::fill(out.v_WB_m_per_s, now.v_WB);
+  wire::fill(out.omega_rad_per_s, now.omega_WB);
+  if (acceleration_) wire::fill(out.a_WB_m_per_s2, free_acceleration(seen.measurement, now));
+  wire::fill(out.q_WB, now.q_WB);
   if (faults_.spoils(exposure_ns)) out.p_WB_m[0] = std::numeric_limits<double>::quiet_NaN();
   output_.estimates.push_back(out);
 
@@ -137,14 +159,14 @@ void Node::tell(std::size_t index, const Estimate& before, const Estimate& now) 
   if (now.valid == before.valid) return;
   if (!now.valid) ++counters_.lost_events;
   std::string lost;
-  for (std::size_t i = 0; i < estimators_.size(); ++i) {
-    const Estimate& estimate = estimators_[i].estimate();
-    if (estimate.seen && !estimate.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
+  for (std::size_t i = 0; i < filters_.size(); ++i) {
+    const Estimate& of = estimate(i);
+    if (of.seen && !of.valid) lost += (lost.empty() ? "" : ", ") + std::to_string(i);
   }
   degraded_ = !lost.empty();
-  text_ = degraded_                 ? "lost object " + lost
-          : estimators_.size() == 1 ? "tracks the object"
-                                    : "tracks the objects";
+  text_ = degraded_              ? "lost object " + lost
+          : filters_.size() == 1 ? "tracks the object"
+                                 : "tracks the objects";
   output_.events.push_back("object=" + std::to_string(index) + (now.valid ? " found" : " lost"));
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
@@ -54,11 +55,14 @@ class Node {
   /// What accelerates the object that the end effector has touched and nobody touches now.
   Eigen::Vector2d free_acceleration(const Measurement& seen, const Estimate& estimate);
   void tell(std::size_t index, const Estimate& before, const Estimate& now);
+  const Estimate& estimate(std::size_t index) const noexcept;
+  Prediction prediction(std::size_t index, std::int64_t exposure_ns) const;
 
   const std::int64_t period_ns_;
   const std::vector<ObjectStart> objects_;
   Source& source_;
-  std::vector<Estimator> estimators_;
+  // by object: of positions, or of poses with their covariance
+  std::vector<std::variant<Estimator, PoseFilter>> filters_;
   std::vector<Prediction> predictions_;
   const std::optional<AccelerationFilterParameters> of_acceleration_;
   std::optional<AccelerationFilter> acceleration_;

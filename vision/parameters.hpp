@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "vision/tag/joint_fit.hpp"
+#include "vision/tag/pose_filter.hpp"
 #include "vision/track/acceleration_filter.hpp"
 #include "vision/track/detect.hpp"
 #include "vision/track/estimator.hpp"
@@ -44,6 +46,21 @@ struct CameraParameters {
   int width, height;     // of the full image [px]
 };
 
+/// How far the virtual cameras stand from where the scenario says, which is what the tracker
+/// believes: standard deviation along and about each axis, drawn once from the seed.
+struct CalibrationError {
+  double position = 0.0;  // [m]
+  double angle = 0.0;     // [rad]
+};
+
+/// Of objects that the cameras know by their tags.
+struct TagParameters {
+  double margin;  // around where the tags of an object are expected [px]
+  int region;     // longest side of the region that is read [px]
+  JointFitParameters fit;
+  PoseFilterParameters filter;
+};
+
 struct Parameters {
   SourceKind source;
   double rate;  // exposures per second [Hz]
@@ -53,8 +70,10 @@ struct Parameters {
   std::optional<AccelerationFilterParameters> acceleration_filter;
   FusionParameters fusion;
   DetectorParameters detector;
+  std::optional<TagParameters> tags;  // none: spheres alone are tracked
   ObjectColours colours;
   double pixel_noise;  // standard deviation of the virtual cameras' noise [grey levels]
+  CalibrationError calibration_error;
   std::vector<CameraParameters> cameras;
 };
 

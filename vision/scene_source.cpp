@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
@@ -10,6 +13,7 @@
 #include "plant_emulator/start.hpp"
 #include "vision/emulated.hpp"
 #include "vision/faulty_camera.hpp"
+#include "vision/tag_tracker.hpp"
 #include "vision/virtual_cameras.hpp"
 
 namespace c3rt::vision {
@@ -70,11 +74,24 @@ class CameraSource : public SceneSource {
       cameras.push_back(faulty_.back().get());
     }
     std::vector<SphereModel> spheres;
+    std::vector<TaggedObject> tagged;
     for (std::size_t i = 0; i < world.objects.size(); ++i) {
-      const double radius = world.objects[i].object.shape().radius;
-      spheres.push_back({radius, world.table_height + radius, plant::kObjectColours.at(i)});
+      const scene::Object& object = world.objects[i].object;
+      const bool sphere = plant::is_sphere(world.objects[i]);
+      const double radius = object.shape().radius;
+      if (sphere)
+        spheres.push_back({radius, world.table_height + radius, plant::kObjectColours.at(i)});
+      if (!sphere) tagged.push_back({object.name, object.tags});
+      (sphere ? of_spheres_ : of_tagged_).push_back(i);
     }
-    tracker_ = std::make_unique<Tracker>(parameters, spheres, cameras);
+    if (!spheres.empty()) spheres_.emplace(parameters, spheres, cameras);
+    if (tagged.empty()) return;
+    if (!parameters.tags)
+      throw std::invalid_argument("cameras: objects with tags need the parameters of tags");
+    tagged_.emplace(*parameters.tags, parameters.detector.search_binning, tagged, cameras);
+    unknown_ = &endpoint.status().counter("tags_unknown");
+    twice_ = &endpoint.status().counter("tags_twice");
+    outliers_ = &endpoint.status().counter("tag_outliers");
   }
 
   void freeze(int camera, std::int64_t until_ns) override {
@@ -87,13 +104,42 @@ class CameraSource : public SceneSource {
   std::vector<Observation> look(const wire::Scene& scene,
                                 const std::vector<Prediction>& predictions) override {
     expose(scene);
-    std::vector<Observation> seen;
-    for (const Sighting& sighting : tracker_->observe(pose_.exposure_ns, predictions)) {
-      seen.push_back({{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
-                      sighting.fusion.cameras_used,
-                      sighting.views});
-    }
+    std::vector<Observation> seen(predictions.size());
+    if (spheres_) look_at_spheres(predictions, seen);
+    if (tagged_) look_at_tags(predictions, seen);
     return seen;
+  }
+
+  static std::vector<Prediction> only(const std::vector<std::size_t>& of,
+                                      const std::vector<Prediction>& all) {
+    std::vector<Prediction> some;
+    for (const std::size_t i : of) some.push_back(all[i]);
+    return some;
+  }
+
+  void look_at_spheres(const std::vector<Prediction>& predictions, std::vector<Observation>& seen) {
+    const auto& sightings = spheres_->observe(pose_.exposure_ns, only(of_spheres_, predictions));
+    for (std::size_t k = 0; k < sightings.size(); ++k) {
+      const Sighting& sighting = sightings[k];
+      seen[of_spheres_[k]] = {{pose_.exposure_ns, sighting.fusion.found, sighting.fusion.p_WB},
+                              sighting.fusion.cameras_used,
+                              sighting.views};
+    }
+  }
+
+  void look_at_tags(const std::vector<Prediction>& predictions, std::vector<Observation>& seen) {
+    const auto& sightings = tagged_->observe(pose_.exposure_ns, only(of_tagged_, predictions));
+    for (std::size_t k = 0; k < sightings.size(); ++k) {
+      const TagSighting& sighting = sightings[k];
+      Measurement measurement{pose_.exposure_ns, sighting.fit.found, sighting.fit.p_WB};
+      measurement.q_WB = sighting.fit.q_WB;
+      measurement.covariance = sighting.fit.covariance;
+      seen[of_tagged_[k]] = {measurement, sighting.cameras_used, sighting.views};
+    }
+    *unknown_ = tagged_->counts().unknown;
+    *twice_ = tagged_->counts().twice;
+    *outliers_ = tagged_->counts().outliers;
+    for (const std::string& notice : tagged_->take_notices()) endpoint().tell(true, notice);
   }
 
   void expose(const wire::Scene& scene) {
@@ -110,7 +156,10 @@ class CameraSource : public SceneSource {
 
   VirtualCameras rig_;
   std::vector<std::unique_ptr<FaultyCamera>> faulty_;
-  std::unique_ptr<Tracker> tracker_;
+  std::vector<std::size_t> of_spheres_, of_tagged_;  // which of the scene's objects
+  std::optional<Tracker> spheres_;
+  std::optional<TagTracker> tagged_;
+  std::atomic<std::uint64_t>*unknown_ = nullptr, *twice_ = nullptr, *outliers_ = nullptr;
   ScenePose pose_;
 };
 

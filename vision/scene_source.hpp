@@ -24,6 +24,9 @@ class SceneSource : public Source {
     return look(newest_, predictions);
   }
 
+ protected:
+  wire::Endpoint& endpoint() { return endpoint_; }
+
  private:
   /// Any scene with the right objects, at an exposure or between two.
   virtual void pass(const wire::Scene&) {}

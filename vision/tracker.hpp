@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "vision/camera.hpp"
 #include "vision/parameters.hpp"
@@ -20,10 +21,12 @@ struct SphereModel {
   Eigen::Vector3d colour;  // red green blue in 0..1; used where Parameters::colours is kDistinct
 };
 
-/// Where a sphere should be at an exposure.
+/// Where an object should be at an exposure.
 struct Prediction {
   Eigen::Vector3d p_WB;  // [m]
   bool known;            // false: p_WB is only the best guess, so the search starts at once
+  // of one whose orientation shows; none before it is seen
+  std::optional<Eigen::Quaternion<double, Eigen::DontAlign>> q_WB = {};
 };
 
 /// What one camera contributed to an exposure.

@@ -38,7 +38,8 @@ class VirtualCameras {
   /// All cameras expose at once; they hold this frame until the next exposure.
   void expose(const ScenePose& pose);
   /// They deliver regions no larger, in pixels after binning, than the search image or
-  /// detector.roi. The cameras in the scenario's order; they live as long as this object.
+  /// detector.roi or tags.region. The cameras in the scenario's order; they live as long as this
+  /// object.
   const std::vector<Camera*>& cameras() const;
 
  private:

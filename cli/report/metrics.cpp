@@ -103,28 +103,33 @@ double rate(const std::vector<Row>& rows) {
   return static_cast<double>(rows.size() - 1) / seconds(rows.back().time_ns - rows.front().time_ns);
 }
 
-/// True position of an object at time_ns, linear between the rows around it; nothing outside or
-/// over a gap.
-std::optional<Eigen::Vector3d> truth(const Series& series, int object, std::int64_t time_ns) {
+struct TruePose {
+  Eigen::Vector3d p_WB;
+  Eigen::Quaternion<double, Eigen::DontAlign> q_WB;
+};
+
+/// Of an object at time_ns, between the rows around it; nothing outside or over a gap.
+std::optional<TruePose> truth(const Series& series, int object, std::int64_t time_ns) {
   const auto after =
       std::lower_bound(series.scene.begin(), series.scene.end(), time_ns,
                        [](const SceneRow& row, std::int64_t t) { return row.time_ns < t; });
   const auto index = static_cast<std::size_t>(object);
   if (after == series.scene.end() || object < 0 || object >= after->object_count)
     return std::nullopt;
-  if (after->time_ns == time_ns) return after->p_WB[index];
+  if (after->time_ns == time_ns) return TruePose{after->p_WB[index], after->q_WB[index]};
   if (after == series.scene.begin()) return std::nullopt;
   const auto before = std::prev(after);
   if (after->time_ns - before->time_ns > kLargestSceneGap || object >= before->object_count)
     return std::nullopt;
   const double share =
       seconds(time_ns - before->time_ns) / seconds(after->time_ns - before->time_ns);
-  return (1.0 - share) * before->p_WB[index] + share * after->p_WB[index];
+  return TruePose{(1.0 - share) * before->p_WB[index] + share * after->p_WB[index],
+                  before->q_WB[index].slerp(share, after->q_WB[index])};
 }
 
 void add_vision(const Series& series, Figures& figures) {
   std::vector<EstimateRow> valid;
-  std::vector<double> errors;
+  std::vector<double> errors, angle_errors;
   std::unordered_set<std::int64_t> answered;
   double cameras = 0.0;
   for (const EstimateRow& row : series.estimate) {
@@ -132,11 +137,14 @@ void add_vision(const Series& series, Figures& figures) {
     if (!row.valid) continue;
     valid.push_back(row);
     cameras += row.sensors_used;
-    if (const auto p_WB = truth(series, row.object, row.exposure_ns)) {
-      errors.push_back((row.p_measured - *p_WB).norm());
+    if (const auto pose = truth(series, row.object, row.exposure_ns)) {
+      errors.push_back((row.p_measured - pose->p_WB).norm());
+      if (row.q_measured.squaredNorm() > 0.0)
+        angle_errors.push_back(row.q_measured.angularDistance(pose->q_WB));
     }
   }
   figures.vision_error = spread(std::move(errors));
+  figures.vision_angle_error = spread(std::move(angle_errors));
   if (series.estimate.empty()) return;
   if (!valid.empty()) figures.cameras_used_mean = cameras / static_cast<double>(valid.size());
   // one estimate per exposure and object: the rate is that of the first object

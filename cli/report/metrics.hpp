@@ -79,6 +79,7 @@ struct Figures {
   double impedance_rate = kNone;     // [Hz]
   double vision_rate = kNone;        // [Hz]
   Spread vision_error;               // |p_measured − truth at the exposure| [m]
+  Spread vision_angle_error;         // of measured orientations; none of a sphere [rad]
   std::uint64_t dropped_frames = 0;  // exposures that no estimate answered
   double cameras_used_mean = kNone;
   Spread state_to_command;          // [s]

@@ -132,6 +132,7 @@ ordered_json to_json(const Report& report) {
       {"vision",
        {{"rate_hz", number(figures.vision_rate)},
         {"error_m", quantiles(figures.vision_error)},
+        {"angle_error_rad", quantiles(figures.vision_angle_error)},
         {"dropped_frames", figures.dropped_frames},
         {"cameras_used_mean", number(figures.cameras_used_mean)}}},
       {"latency",
@@ -148,7 +149,7 @@ ordered_json to_json(const Report& report) {
 
 std::string summary(const Report& report) {
   const Figures& figures = report.figures;
-  constexpr double kMilli = 1e3;
+  constexpr double kMilli = 1e3, kDegrees = 180.0 / M_PI;
   std::string loop_times;
   for (const double time : figures.loop_times) loop_times += fmt::format(" {:.1f}", time);
   std::string text;
@@ -184,8 +185,12 @@ std::string summary(const Report& report) {
        fmt::format("{} Hz, {} missed cycles, {} stale plans", shown(figures.impedance_rate, 1, 1),
                    report.services.impedance_missed_cycles, report.services.stale_plan_events));
   line("vision",
-       fmt::format("{} Hz, error {} mm, {} dropped frames", shown(figures.vision_rate, 1, 1),
-                   shown(figures.vision_error, kMilli, 2), figures.dropped_frames));
+       fmt::format("{} Hz, error {} mm{}, {} dropped frames", shown(figures.vision_rate, 1, 1),
+                   shown(figures.vision_error, kMilli, 2),
+                   std::isfinite(figures.vision_angle_error.p50)
+                       ? "; " + shown(figures.vision_angle_error, kDegrees, 2) + " degrees"
+                       : "",
+                   figures.dropped_frames));
   line("exposure to torque", shown(figures.exposure_to_torque, kMilli, 1) + " ms");
   for (const CriterionResult& c : figures.criteria) {
     line(c.met ? "met" : "NOT MET",

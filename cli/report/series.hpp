@@ -75,6 +75,8 @@ struct EstimateRow {
   bool valid = false;
   int sensors_used = 0;
   Eigen::Vector3d p_measured = Eigen::Vector3d::Zero();  // before the low-pass filter [m]
+  // all zero: not measured
+  Eigen::Quaternion<double, Eigen::DontAlign> q_measured = Eigen::Quaterniond(0, 0, 0, 0);
 };
 
 struct Series {

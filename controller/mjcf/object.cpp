@@ -75,9 +75,11 @@ class Reader {
     find_body();
     read_inertia();
     read_geoms();
+    read_tags();
     note_file();
     scene::Object object =
         scene::make_object(name(mjOBJ_BODY, body_), mass_, inertia_, friction_, std::move(parts_));
+    object.tags = std::move(tags_);
     note_size(object);
     return {std::move(object), p_body_com_, std::move(notes_)};
   }
@@ -199,6 +201,46 @@ class Reader {
     }
   }
 
+  /// Sites that are called tag and a digit: tag36h11_ID, boxes with half of the black square's edge
+  /// as their first two sizes, whose z leaves the surface.
+  void read_tags() {
+    const std::string family = "tag36h11_";
+    for (int site = 0; site < model_->nsite; ++site) {
+      const char* given = mj_id2name(model_.get(), mjOBJ_SITE, site);
+      const std::string called = given != nullptr ? given : "";
+      if (called.rfind("tag", 0) != 0 || called.size() < 4 || called[3] < '0' || called[3] > '9')
+        continue;
+      if (!is_fixed_to_body(model_->site_bodyid[site])) {
+        notes_.push_back("site \"" + called + "\" is on no part of the object and is left out");
+        continue;
+      }
+      scene::Tag tag;
+      const std::string id = called.substr(0, family.size()) == family && called.size() < 13
+                                 ? called.substr(family.size())
+                                 : "";
+      const bool digits = !id.empty() && id.find_first_not_of("0123456789") == std::string::npos;
+      if (digits) tag.id = std::stoi(id);
+      if (!digits || tag.id >= scene::Tag::kKinds || std::to_string(tag.id) != id) {
+        fail("tags called " + family + "0 to " + family + std::to_string(scene::Tag::kKinds - 1),
+             "the site \"" + called + "\"");
+      }
+      const mjtNum* half = model_->site_size + 3 * site;
+      if (model_->site_type[site] != mjGEOM_BOX || half[0] != half[1]) {
+        fail(
+            "a tag as a square: type=\"box\" with half of the black square's edge as its first two "
+            "sizes",
+            "the site \"" + called + "\"" +
+                (model_->site_type[site] != mjGEOM_BOX
+                     ? ", which is no box"
+                     : " of " + number("%g", 2e3 * half[0]) + number(" x %g mm", 2e3 * half[1])));
+      }
+      tag.size = 2.0 * half[0];
+      tag.p_BT = R_WB_.transpose() * (vector(data_->site_xpos + 3 * site) - p_WC_);
+      tag.R_BT = R_WB_.transpose() * matrix(data_->site_xmat + 9 * site);
+      tags_.push_back(tag);
+    }
+  }
+
   scene::Shape shape_of(int geom, const std::string& called) {
     const Vector3d size = vector(model_->geom_size + 3 * geom);
     switch (model_->geom_type[geom]) {
@@ -290,6 +332,7 @@ class Reader {
   Matrix3d inertia_ = Matrix3d::Zero(), R_WB_ = Matrix3d::Identity();
   Vector3d p_WC_ = Vector3d::Zero(), p_body_com_ = Vector3d::Zero();
   scene::Union parts_;
+  std::vector<scene::Tag> tags_;
   std::vector<std::string> notes_;
 };
 

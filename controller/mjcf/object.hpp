@@ -22,10 +22,12 @@ struct ObjectFile {
 
 /// The one free body of a file with all that is fixed to it. Spheres, boxes, capsules, cylinders
 /// and the convex hulls of meshes make its surface; geoms that collide with nothing (contype and
-/// conaffinity 0) do not, and what else is in the file's world is left out with a note.
+/// conaffinity 0) do not, and what else is in the file's world is left out with a note. Its sites
+/// tag36h11_ID are tags: boxes whose first two sizes are half of the black square's edge.
 /// @throws Error where MuJoCo refuses the file, where there is not one free body, and for what
 /// would move it in ways that nobody here knows of: other joints, tendons, equalities, actuators,
-/// friction, damping or springs of the joint, height fields, planes and ellipsoids
+/// friction, damping or springs of the joint, height fields, planes and ellipsoids; for a tag that
+/// is of no known kind, or no square
 ObjectFile read_object(const std::string& file);
 
 }  // namespace c3rt::mjcf

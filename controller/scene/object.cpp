@@ -48,8 +48,12 @@ Shape Object::shape() const noexcept {
 
 Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia, double friction,
                    Union parts) {
-  return {std::move(name), mass, inertia, friction,
-          std::make_shared<const Union>(std::move(parts))};
+  return {std::move(name),
+          mass,
+          inertia,
+          friction,
+          std::make_shared<const Union>(std::move(parts)),
+          {}};
 }
 
 Object scaled(const Object& object, double mass, double size) {
@@ -72,6 +76,10 @@ Object scaled(const Object& object, double mass, double size) {
     parts.parts.push_back(part);
   }
   result.parts = std::make_shared<const Union>(std::move(parts));
+  for (Tag& tag : result.tags) {
+    tag.p_BT *= size;
+    tag.size *= size;
+  }
   return result;
 }
 

@@ -2,12 +2,22 @@
 // A rigid body as it is described: what planner and plant need to know of it beside its pose.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "controller/scene/shape.hpp"
 
 namespace c3rt::scene {
+
+/// A square mark of the family tag36h11 on a surface, by which cameras know where the object is.
+struct Tag {
+  static constexpr int kKinds = 587;  // of the family: ids 0 to 586
+  int id = 0;
+  double size = 0.0;     // edge of the black square [m]
+  Eigen::Vector3d p_BT;  // its middle, on the surface [m]
+  Eigen::Matrix3d R_BT;  // x to the right and y up as one reads it, z out of the surface
+};
 
 /// Its frame B has the axes of its description and its origin in the centre of mass.
 struct Object {
@@ -16,6 +26,7 @@ struct Object {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();  // about its frame [kg m²]
   double friction = 0.0;                                  // μ of its surface, of the roughest part
   std::shared_ptr<const Union> parts;                     // at least one
+  std::vector<Tag> tags = {};                             // each id once
 
   /// Valid as long as the parts.
   Shape shape() const noexcept;
@@ -24,7 +35,7 @@ struct Object {
 Object make_object(std::string name, double mass, const Eigen::Matrix3d& inertia, double friction,
                    Union parts);
 
-/// The same of another mass and size, of one density in itself as before.
+/// The same of another mass and size, of one density in itself as before; its tags grow with it.
 Object scaled(const Object& object, double mass, double size);
 
 /// One shape of even density. @throws std::invalid_argument for a convex mesh or a union, whose

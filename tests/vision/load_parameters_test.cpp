@@ -112,3 +112,26 @@ TEST_CASE("vision parameters: only the emulated source can do without cameras") 
   emulated.replace(emulated.find("source: cameras"), 15, "source: emulated");
   REQUIRE(load(emulated).cameras.empty());
 }
+
+TEST_CASE("vision parameters: tags and what the cameras' places are off") {
+  CHECK_FALSE(load(kGood).tags);
+  CHECK(load(kGood).calibration_error.position == 0.0);
+  const std::string tags =
+      "tags: {margin_px: 30, region_px: 320, corner_noise_px: 0.5, inlier_px: 3, speed_m_per_s: "
+      "0.1, "
+      "angular_speed_rad_per_s: 1, memory_s: 0.2, gate: 8, gate_misses: 3, lost_after_s: 0.5}\n";
+  const vision::Parameters p =
+      load(kGood + tags + "calibration_error: {position_m: 0.001, angle_rad: 0.002}\n");
+  REQUIRE(p.tags);
+  CHECK(p.tags->region == 320);
+  CHECK(p.tags->fit.inlier == 3.0);
+  CHECK(p.tags->filter.lost_after == 0.5);
+  CHECK(p.calibration_error.position == 0.001);
+  CHECK(p.calibration_error.angle == 0.002);
+  std::string large = tags;
+  large.replace(large.find("region_px: 320"), 14, "region_px: 500");
+  CHECK_THROWS_WITH(load(kGood + large), Catch::Contains("tags.region_px"));
+  CHECK_THROWS_WITH(load(kGood + "tags: {margin_px: 30}\n"), Catch::Contains("missing"));
+  CHECK_THROWS_WITH(load(kGood + "calibration_error: {position_m: 0.001}\n"),
+                    Catch::Contains("angle_rad"));
+}

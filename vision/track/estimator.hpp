@@ -33,6 +33,8 @@ struct Measurement {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  // used only if found [m]
   // of a body whose orientation shows; of a ball it does not
   std::optional<Eigen::Quaternion<double, Eigen::DontAlign>> q_WB = {};
+  // of (δp, δθ) along W's axes, where the source knows it [m, rad]
+  std::optional<Eigen::Matrix<double, 6, 6, Eigen::DontAlign>> covariance = {};
 };
 
 struct Estimate {

@@ -292,6 +292,29 @@ TEST_CASE(
   REQUIRE(figures.vision_error.p50 == Approx(0.0008));
   REQUIRE(figures.vision_error.max == Approx(0.0008));
   REQUIRE(figures.dropped_frames == 2);
+  REQUIRE(std::isnan(figures.vision_angle_error.p50));  // nobody measured how it lies
+}
+
+TEST_CASE("vision errors of an orientation are angles to the truth at the exposure") {
+  const auto about_z = [](double angle) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  };
+  Series series;
+  for (int i = 0; i <= 10; ++i) {
+    SceneRow row{};
+    row.time_ns = i * 10 * kMs;
+    row.object_count = 1;
+    row.q_WB[0] = about_z(0.1 * i);
+    series.scene.push_back(row);
+  }
+  EstimateRow estimate{50 * kMs, 45 * kMs, 0, true, 3, Eigen::Vector3d::Zero()};
+  estimate.q_measured = about_z(0.45 + 0.02);  // between two rows of truth
+  series.estimate.push_back(estimate);
+  estimate.q_measured.coeffs() *= -1.0;  // the same orientation
+  series.estimate.push_back(estimate);
+  const Figures figures = evaluate(series, kCircle, {});
+  REQUIRE(figures.vision_angle_error.p50 == Approx(0.02));
+  REQUIRE(figures.vision_angle_error.max == Approx(0.02));
 }
 
 TEST_CASE("quantiles are samples by nearest rank") {

@@ -220,3 +220,51 @@ TEST_CASE("reach: the farthest that any of many points is, along any direction")
     }
   }
 }
+
+TEST_CASE("object: sites called tag36h11_ID are its tags, seen from the centre of mass") {
+  const mjcf::ObjectFile read = mjcf::read_object(kObjects + "t.xml");
+  REQUIRE(read.object.tags.size() == 7);
+  const scene::Tag& first = read.object.tags[0];
+  CHECK(first.id == 0);
+  CHECK(first.size == Approx(0.032));
+  CHECK(first.p_BT.isApprox(Vector3d(-0.06, 0.0, 0.02) - read.p_body_com, 1e-12));
+  CHECK(first.R_BT.isApprox(Matrix3d::Identity(), 1e-12));
+  // of another size the tags are larger, too
+  const scene::Object larger = scene::scaled(read.object, 1.0, 1.1);
+  CHECK(larger.tags[0].size == Approx(0.0352));
+  CHECK(larger.tags[0].p_BT.isApprox(1.1 * first.p_BT, 1e-12));
+
+  // turned with what it is fixed to; other sites are nothing
+  const mjcf::ObjectFile turned = mjcf::read_object(file_with(free_body(
+      kBox +
+      R"(<body pos="0.05 0 0" quat="0.5 0.5 0.5 0.5"><geom type="sphere" size="0.001" mass="0"/>
+        <site name="tag36h11_586" type="box" size="0.01 0.01 0.001"/></body>
+        <site name="target" pos="0 0 1"/><site name="tag" pos="0 0 1"/>)")));
+  REQUIRE(turned.object.tags.size() == 1);
+  CHECK(turned.object.tags[0].id == 586);
+  // (0.5, 0.5, 0.5, 0.5) turns z into x and x into y
+  CHECK(turned.object.tags[0].R_BT.col(2).isApprox(Vector3d::UnitX(), 1e-12));
+  CHECK(turned.object.tags[0].R_BT.col(0).isApprox(Vector3d::UnitY(), 1e-12));
+}
+
+TEST_CASE("object: a tag that nobody could see as the file says is refused by name") {
+  const auto with = [](const std::string& site) { return file_with(free_body(kBox + site)); };
+  for (const char* name :
+       {"tag36h11_587", "tag36h11_07", "tag36h11_", "tag25h9_1", "tag36h11_1x"}) {
+    CAPTURE(name);
+    const std::string said = refusal(
+        with("<site name=\"" + std::string(name) + "\" type=\"box\" size=\"0.01 0.01 0.001\"/>"));
+    CHECK_THAT(said, Contains("tags called tag36h11_0 to tag36h11_586") && Contains(name));
+  }
+  CHECK_THAT(refusal(with(R"(<site name="tag36h11_1" type="box" size="0.01 0.02 0.001"/>)")),
+             Contains("a tag as a square") && Contains("tag36h11_1") && Contains("20 x 40 mm"));
+  CHECK_THAT(refusal(with(R"(<site name="tag36h11_1" size="0.01"/>)")), Contains("no box"));
+  // MuJoCo itself refuses one name twice
+  CHECK_THAT(refusal(with(R"(<site name="tag36h11_1" type="box" size="0.01 0.01 0.001"/>
+    <site name="tag36h11_1" type="box" size="0.01 0.01 0.001" pos="0.02 0 0"/>)")),
+             Contains("tag36h11_1"));
+  const mjcf::ObjectFile read = mjcf::read_object(file_with(
+      free_body(kBox) + R"(<site name="tag36h11_1" type="box" size="0.01 0.01 0.001"/>)"));
+  CHECK(read.object.tags.empty());
+  CHECK(notes(read, "tag36h11_1"));
+}
