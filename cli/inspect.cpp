@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/millimetres.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "controller/lcs/lcs.hpp"
@@ -25,7 +26,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kMillimetre = 1e-3;  // [m]
 // what a scenario would say
 constexpr double kEffectorMass = 1.0;       // [kg]
 constexpr double kEffectorRadius = 0.0195;  // [m]
@@ -109,8 +109,8 @@ void print_bodies(Inspected& of) {
         extent(object, Vector3d::UnitZ()) / kMillimetre);
     for (const scene::Part& part : object.parts->parts) {
       fmt::print("    {} at {:.4g} {:.4g} {:.4g} mm from the centre of mass\n",
-                 describe(part.shape), part.p_BP.x() / kMillimetre, part.p_BP.y() / kMillimetre,
-                 part.p_BP.z() / kMillimetre);
+                 describe(part.shape), millimetres(part.p_BP.x()), millimetres(part.p_BP.y()),
+                 millimetres(part.p_BP.z()));
     }
     for (const std::string& note : file.notes) of.warnings.push_back(object.name + ": " + note);
     // a rod along its own axis, say: Euler's equation has no answer to a turn about it

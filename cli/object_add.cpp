@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "cli/mesh/mesh.hpp"
+#include "cli/millimetres.hpp"
 #include "cli/paths.hpp"
 #include "controller/mjcf/object.hpp"
 #include "controller/model/support_points.hpp"
@@ -22,12 +23,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMillimetre = 1e-3;                      // [m]
 constexpr double kLargest = 1.0, kSmallest = 0.005;       // of what an arm pushes [m]
 constexpr std::uintmax_t kMostBytes = 256 * 1024 * 1024;  // of a file
 // distances take as long as there are corners; with these a sphere's hull is 3 % smaller than it
 constexpr std::size_t kMostCorners = 150;
-constexpr double kAlike = 0.03;  // volumes of hull and mesh
+constexpr double kAlike = 0.03, kExact = 0.002;  // volumes of hull and mesh
 
 std::string name_of(const ObjectAddSettings& settings) {
   const std::string name =
@@ -134,8 +134,9 @@ Added pieces_of(const ObjectAddSettings& settings, const mesh::Triangles& mesh) 
         "divides a mesh into convex pieces (V-HACD, CoACD) is built in; save it as separate closed "
         "convex parts in one file, and each becomes a piece",
         added.hulls.size() == 1 ? " has" : "s have", 100.0 * more));
-  } else {
-    added.notes.push_back(fmt::format("its surface has {:+.2g} % of its volume", 100.0 * more));
+  } else if (std::abs(more) > kExact) {
+    added.notes.push_back(
+        fmt::format("its pieces have {:+.2g} % of its volume more than it", 100.0 * more));
   }
   return added;
 }
@@ -211,17 +212,17 @@ int add_object(const ObjectAddSettings& settings) {
       "  inertia about it {:.4g} {:.4g} {:.4g} (xx yy zz), {:.4g} {:.4g} {:.4g} (xy xz yz) kg m2\n",
       name, sizes.x() / kMillimetre, sizes.y() / kMillimetre, sizes.z() / kMillimetre,
       1e6 * added.solid.volume, object.object.mass, object.object.friction,
-      added.solid.com.x() / kMillimetre, added.solid.com.y() / kMillimetre,
-      added.solid.com.z() / kMillimetre, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+      millimetres(added.solid.com.x()), millimetres(added.solid.com.y()),
+      millimetres(added.solid.com.z()), I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
   for (std::size_t i = 0; i < added.hulls.size(); ++i)
     fmt::print("  {}: convex, {} corners\n", files[i + 1].filename().string(),
                added.hulls[i].points.size());
   fmt::print("  lies on the table with the side that is down in the file, on\n");
   const model::SupportPoints support(object.object, 4);
   for (const auto& point : support.below(Eigen::Matrix3d::Identity()))
-    fmt::print("    {:.4g} {:.4g} {:.4g} mm\n", point.p_B.x() / kMillimetre,
-               point.p_B.y() / kMillimetre, point.p_B.z() / kMillimetre);
-  fmt::print("mind\n");
+    fmt::print("    {:.4g} {:.4g} {:.4g} mm\n", millimetres(point.p_B.x()),
+               millimetres(point.p_B.y()), millimetres(point.p_B.z()));
+  if (!added.notes.empty()) fmt::print("mind\n");
   for (const std::string& note : added.notes) fmt::print("  - {}\n", note);
   fmt::print("written: {0} (c3rt lcs inspect {0})\n", model.string());
   return kDone;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -279,9 +280,15 @@ class Reader {
       fail("meshes with a convex hull of at most " + std::to_string(kMostCorners) + " corners",
            called + " with " + std::to_string(corners.size()) + " (a simpler mesh will do)");
     }
-    if (static_cast<int>(corners.size()) < model_->mesh_vertnum[mesh]) {
+    // a file may name a corner once for each face that has it
+    std::set<std::array<float, 3>> different;
+    for (int i = 0; i < model_->mesh_vertnum[mesh]; ++i) {
+      const float* at = model_->mesh_vert + 3 * (model_->mesh_vertadr[mesh] + i);
+      different.insert({at[0], at[1], at[2]});
+    }
+    if (corners.size() < different.size()) {
       notes_.push_back(called + " counts as its convex hull, " + std::to_string(corners.size()) +
-                       " of the mesh's " + std::to_string(model_->mesh_vertnum[mesh]) +
+                       " of the mesh's " + std::to_string(different.size()) +
                        " corners; hollows need several geoms");
     }
     try {
