@@ -228,7 +228,7 @@ void print_errors(Inspected& of, model::ContactModel contact_model, double step)
         100.0 * resting.E));
   }
   if (turning.A > 0.1)
-    of.warnings.push_back("A is off by more than 10 % where it turns: a shorter step is nearer");
+    of.warnings.emplace_back("A is off by more than 10 % where it turns: a shorter step is nearer");
 }
 
 nlohmann::json to_json(const MatrixXd& matrix) {
@@ -354,7 +354,7 @@ int inspect(const InspectSettings& settings) {
           file.object.name, points, points == 1 ? "" : "s"));
     }
   }
-  of.warnings.push_back(
+  of.warnings.emplace_back(
       "a plan that believes its object larger than it is waits for contact that is not there: "
       "keep the model true or up to 3 % smaller (model.size_scale)");
   fmt::print("mind\n");

@@ -99,7 +99,7 @@ class CsvVisitor {
       first_ = false;
       if (names_) {
         out_.append(std::string_view(name));
-      } else if constexpr (std::is_array_v<T>) {  // a text; a comma would be another cell
+      } else if constexpr (std::is_array_v<T>) {  // NOLINT: a text; a comma would be another cell
         for (std::size_t i = 0; i < std::size(value) && value[i] != '\0'; ++i)
           out_.push_back(value[i] == ',' || value[i] == '"' ? ' ' : value[i]);
       } else if constexpr (std::is_enum_v<T>) {

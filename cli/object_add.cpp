@@ -30,7 +30,7 @@ constexpr std::size_t kMostCorners = 150;
 constexpr double kAlike = 0.03, kExact = 0.002;  // volumes of hull and mesh
 
 std::string name_of(const ObjectAddSettings& settings) {
-  const std::string name =
+  std::string name =
       settings.name.empty() ? fs::path(settings.file).stem().string() : settings.name;
   const bool plain =
       !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {

@@ -122,20 +122,20 @@ struct RecordedTopics<std::tuple<T...>> {
   template <typename Action>
   void for_each(Action&& action) {
     std::apply([&action](auto&... topic) { ((topic != nullptr ? action(*topic) : void()), ...); },
-               all);
+               all_);
   }
   template <typename U>
   Recorded<U>& of() {
-    return *std::get<std::unique_ptr<Recorded<U>>>(all);
+    return *std::get<std::unique_ptr<Recorded<U>>>(all_);
   }
 
  private:
   template <typename U>
   void recorded(wire::Bus& bus, const std::filesystem::path& directory) {
     if (wire::topic<U>().stream == wire::kNoStream) return;
-    std::get<std::unique_ptr<Recorded<U>>>(all) = std::make_unique<Recorded<U>>(bus, directory);
+    std::get<std::unique_ptr<Recorded<U>>>(all_) = std::make_unique<Recorded<U>>(bus, directory);
   }
-  std::tuple<std::unique_ptr<Recorded<T>>...> all;
+  std::tuple<std::unique_ptr<Recorded<T>>...> all_;
 };
 
 }  // namespace

@@ -42,14 +42,14 @@ fs::path file_of(const Tree& named, const std::string& key, const std::string& w
     refuse("the name of a " + what + " or a path to a .yaml file", content(named));
   const std::string& given = named.scalar;
   if (is_path(given, kExtension)) {
-    const fs::path file = (fs::path(*named.place.file).parent_path() / given).lexically_normal();
+    fs::path file = (fs::path(*named.place.file).parent_path() / given).lexically_normal();
     std::error_code error;
     if (!fs::is_regular_file(file, error))
       refuse("a file", content(named) + ": no file " + file.string());
     return file;
   }
   const fs::path shipped = directory() / folder;
-  const fs::path file = shipped / (given + kExtension);
+  fs::path file = shipped / (given + kExtension);
   if (!is_name(given) || !fs::is_regular_file(file))
     refuse("the name of a " + what + " in " + shipped.string() + ", or a path to a .yaml file",
            content(named));

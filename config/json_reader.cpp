@@ -238,7 +238,7 @@ c3::PerStage<VectorXd> JsonReader::bounds(const char* key, const std::vector<Eig
                       std::to_string(count));
   }
   std::vector<VectorXd> all;
-  if (count == N - 1) all.push_back(VectorXd::Constant(sizes[0], none));
+  if (count == N - 1) all.emplace_back(VectorXd::Constant(sizes[0], none));
   for (int k = 0; k < count; ++k) {
     all.push_back(bound(std::string(key) + "[" + std::to_string(k) + "]", value[k],
                         sizes[k < N ? static_cast<std::size_t>(k) : 0], none));

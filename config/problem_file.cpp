@@ -178,7 +178,7 @@ void read_constraints(JsonReader& params, ProblemFile& p) {
   const auto side = [&](const char* key, double none) -> c3::PerStage<VectorXd> {
     if (params.has(key) && !params.at(key).is_null()) return params.bounds(key, rows, none);
     std::vector<VectorXd> all;
-    for (const Eigen::Index n : rows) all.push_back(VectorXd::Constant(n, none));
+    for (const Eigen::Index n : rows) all.emplace_back(VectorXd::Constant(n, none));
     return all;
   };
   c.C_min = side("Cmin", -kInfinity);

@@ -66,7 +66,7 @@ const char* why(c3::QpStatus status) {
 std::string why_no_point(const ProblemFile& problem, const c3::ProjectionReport& report, int k) {
   const c3::ProjectionType& type = c3::projection_type(problem.settings.projection);
   if (type.why_no_point != nullptr) {
-    const std::string own =
+    std::string own =
         type.why_no_point(report, problem.settings, problem.costs, system(problem, k));
     if (!own.empty()) return own;
   }

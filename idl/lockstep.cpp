@@ -30,7 +30,7 @@ std::string seconds(std::int64_t time_ns) {
   return text;
 }
 
-std::uint32_t bit(Process process) { return 1u << static_cast<unsigned>(process); }
+std::uint32_t bit(Process process) { return 1U << static_cast<unsigned>(process); }
 
 }  // namespace
 

@@ -137,7 +137,7 @@ std::string Peers::name_of(const dds_guid_t& participant) const {
 std::string Peers::name_of_writer(std::int32_t reader, std::uint64_t writer) const {
   dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
   if (endpoint == nullptr) return "a process that has gone";
-  const std::string name = name_of(endpoint->participant_key);
+  std::string name = name_of(endpoint->participant_key);
   dds_builtintopic_free_endpoint(endpoint);
   return name;
 }

@@ -181,10 +181,10 @@ void Plant::step_1ms() noexcept {
 
 Vector7d Plant::command_torque() noexcept {
   const Vector7d step = Vector7d::Constant(parameters_.limits.tau_rate_max * kCycle);
-  const Vector7d tau = command_.cwiseMin(state_.tau + step)
-                           .cwiseMax(state_.tau - step)
-                           .cwiseMin(parameters_.limits.tau_max)
-                           .cwiseMax(-parameters_.limits.tau_max);
+  Vector7d tau = command_.cwiseMin(state_.tau + step)
+                     .cwiseMax(state_.tau - step)
+                     .cwiseMin(parameters_.limits.tau_max)
+                     .cwiseMax(-parameters_.limits.tau_max);
   if (tau != command_) ++state_.saturated_cycles;
   return tau;
 }

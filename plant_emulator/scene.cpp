@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <iomanip>
 #include <limits>
@@ -171,7 +170,7 @@ std::string link(int index, const SceneParameters& parameters) {
       "<body name=\"link" + number + "\" pos=\"" + join(l.origin) + "\" quat=\"" + join(turn) +
       "\">\n<inertial pos=\"" + join(l.center) + "\" mass=\"" + join(l.mass) +
       "\" quat=\"0.8 0.6 0 0\" diaginertia=\"0.01 0.01 0.01\"/>\n<joint name=\"joint" + number +
-      "\" type=\"hinge\" axis=\"0 0 1\" damping=\"" + join(kJointDamping) + "\"/>\n" +
+      R"(" type="hinge" axis="0 0 1" damping=")" + join(kJointDamping) + "\"/>\n" +
       capsules(index + 1) + mesh(index + 1, parameters);
   if (index + 1 < kJoints) {
     text += link(index + 1, parameters);
@@ -372,7 +371,7 @@ std::string xml(const SceneParameters& parameters) {
 <light directional="true" castshadow="false" pos="3 0 1" dir="-1 -0.4 -0.25" ambient="0 0 0"
   diffuse="0.25 0.25 0.25" specular="0 0 0"/>
 )";
-  text += "<body name=\"table\" pos=\"" + join(table_center(world)) + "\" quat=\"" +
+  text += R"(<body name="table" pos=")" + join(table_center(world)) + "\" quat=\"" +
           join(table_orientation(world)) +
           "\">\n<geom name=\"table\" type=\"plane\" size=\"1.2 1.2 0.1\" rgba=\"0.86 0.87 0.88 "
           "1\"/>\n</body>\n";
@@ -481,7 +480,8 @@ Model compile_model(const std::string& mjcf) {
   mj_defaultVFS(files.get());
   constexpr const char* kName = "c3rt.xml";
   mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(mjcf.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], mjcf.data(), mjcf.size());
+  std::copy(mjcf.begin(), mjcf.end(),
+            static_cast<char*>(files->filedata[mj_findFileVFS(files.get(), kName)]));
   std::array<char, 1000> error{};
   Model model(mj_loadXML(kName, files.get(), error.data(), static_cast<int>(error.size())));
   mj_deleteVFS(files.get());

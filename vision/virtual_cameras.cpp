@@ -270,7 +270,7 @@ struct VirtualCameras::Implementation {
     std::uint64_t bits = 0;
     int left = 0;  // draws that are still in bits
     for (int row = 0; row < image.rows; ++row) {
-      std::uint8_t* pixel = image.ptr<std::uint8_t>(row);
+      auto* pixel = image.ptr<std::uint8_t>(row);
       for (int k = 0; k < 3 * image.cols; ++k) {
         if (left-- == 0) {
           bits = random();

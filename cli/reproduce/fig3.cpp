@@ -1,4 +1,6 @@
 // Figure 3: finger gaiting with s = 10.
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "cli/example/pictures.hpp"
@@ -23,7 +25,7 @@ void fig3(const Context& context) {
       {0.25, "-6.70"}, {0.5, "-5.03"}, {0.75, "-3.97"}, {1.0, "-3.52"},
       {1.5, "-2.41"},  {2.0, "-1.62"}, {3.0, "-1.10"}};
   for (const auto& [t, object] : published) {
-    const auto step = static_cast<Eigen::Index>(t / scenario.experiment.simulation_step + 0.5);
+    const Eigen::Index step = std::lround(t / scenario.experiment.simulation_step);
     if (step >= run.x.cols()) break;
     rows.push_back({shown(t), fmt::format("{:.2f}", run.x(L::object, step)),
                     fmt::format("{:.2f}", run.x(L::finger_1, step)),

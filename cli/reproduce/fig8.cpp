@@ -1,5 +1,7 @@
 // Figure 8: the cost-to-go that C3 and the MIQP expect along a run of the nonlinear cart-pole, and
 // the one that came.
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "cli/reproduce/loop.hpp"
@@ -14,8 +16,7 @@ constexpr const char* kScenario = "cart_pole_hardware";
 
 /// The cost (14) of what the plant did in the N control steps from each on; kNone near the end.
 VectorXd actual_costs(const example::Experiment& experiment, const example::Trajectory& run) {
-  const auto held =
-      static_cast<Index>(experiment.control_period / experiment.simulation_step + 0.5);
+  const Index held = std::lround(experiment.control_period / experiment.simulation_step);
   const Index decisions = run.cost_to_go.size();
   VectorXd costs = VectorXd::Constant(decisions, kNone);
   for (Index i = 0; (i + experiment.N) * held < run.x.cols(); ++i) {
@@ -33,8 +34,7 @@ VectorXd monolithic_costs(const Context& context, const example::Experiment& exp
                           const example::Trajectory& run, int& proven) {
   MonolithicController miqp(experiment, experiment, context.settings().miqp_limit,
                             [&context] { return context.stopped(); });
-  const auto held =
-      static_cast<Index>(experiment.control_period / experiment.simulation_step + 0.5);
+  const Index held = std::lround(experiment.control_period / experiment.simulation_step);
   const Index decisions = run.cost_to_go.size();
   VectorXd costs = VectorXd::Constant(decisions, kNone);
   Progress progress("Figure 8, MIQP");

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 /// Every trial of every seed has its own numbers.
 base::Random trial_random(std::uint64_t seed, int trial) {
-  return base::Random(seed * 7919u + 104729u * static_cast<std::uint64_t>(trial) + 1u);
+  return base::Random(seed * 7919U + 104729U * static_cast<std::uint64_t>(trial) + 1U);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ double stage_cost(const Experiment& experiment, const Eigen::VectorXd& x,
 
 Eigen::VectorXd start_of_trial(const Experiment& experiment, std::uint64_t seed, int trial) {
   Eigen::VectorXd x = experiment.x0;
-  base::Random random(seed * 1000003u + static_cast<std::uint64_t>(trial));
+  base::Random random(seed * 1000003U + static_cast<std::uint64_t>(trial));
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double low = experiment.x0_spread_min[i], high = experiment.x0_spread_max[i];
     x[i] += low + random.uniform() * (high - low);

@@ -79,7 +79,7 @@ struct Rows {
       c.push_back(beside(minimum));
     }
     if (std::isfinite(maximum)) {
-      J.push_back(-row);
+      J.emplace_back(-row);
       c.push_back(-beside(maximum));
     }
   }

@@ -86,7 +86,7 @@ double growth(const Problem& problem, const std::vector<MatrixXd>& K) {
 std::vector<MatrixXd> stabilising_feedback(const Problem& problem, const std::vector<Side>& zero) {
   const auto [n_x, n_lambda, n_u, N] = problem.sizes;
   const int n = n_u + n_lambda;
-  const std::vector<MatrixXd> none(N, MatrixXd::Zero(n, n_x));
+  std::vector<MatrixXd> none(N, MatrixXd::Zero(n, n_x));
   std::vector<MatrixXd> gains = none, held = none;
   double heaviest = problem.costs->Q_N.diagonal().maxCoeff();
   for (int k = 0; k < N; ++k)

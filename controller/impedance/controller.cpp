@@ -360,7 +360,7 @@ Vector7d Controller::law_torque(const Input& input) noexcept {
 
 Vector7d Controller::limited(const Vector7d& wanted) noexcept {
   const Limits& limits = parameters_.limits;
-  const Vector7d clamped = wanted.cwiseMin(limits.tau_max).cwiseMax(-limits.tau_max);
+  Vector7d clamped = wanted.cwiseMin(limits.tau_max).cwiseMax(-limits.tau_max);
   if (clamped != wanted) ++counters_.torque_clamps;
   const double step = limits.tau_rate_max * parameters_.period;
   const Vector7d change = clamped - tau_;

@@ -191,8 +191,8 @@ bool Lemke::try_from(const Lcp& lcp, LcpReport& report,
 bool Lemke::try_every_basis(const Lcp& lcp, LcpReport& report,
                             Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   const int n = size_;
-  for (unsigned mode = 1; mode < 1u << n; ++mode) {
-    for (int i = 0; i < n; ++i) start_[i] = (mode >> i & 1u) != 0;
+  for (unsigned mode = 1; mode < 1U << n; ++mode) {
+    for (int i = 0; i < n; ++i) start_[i] = (mode >> i & 1U) != 0;
     small_.load(lcp.F, lcp.q, row_, column_, 0.0);
     const bool is_basis = small_.exchange(start_, kSmallestPivot);
     report.pivots += small_.pivots();

@@ -223,7 +223,7 @@ Result solve(const Problem& problem, const Settings& settings) {
     configure(setup, settings);
     setup.initialize(Ipopt::SmartPtr<Bonmin::TMINLP>(GetRawPtr(model)));
     search(setup);
-  } catch (Bonmin::TNLPSolver::UnsolvedError* error) {  // thrown as a pointer
+  } catch (Bonmin::TNLPSolver::UnsolvedError* error) {  // NOLINT: thrown as a pointer
     delete error;
     return result;
   } catch (const Bonmin::OsiTMINLPInterface::SimpleError&) {

@@ -167,7 +167,8 @@ class Reader {
                        ": poses are those of the centre of mass");
     }
     if (vector(data_->xpos + 3 * body_).norm() > 0.0 || !R_WB.isIdentity())
-      notes_.push_back("where the file places the body is left out: a scenario says where it is");
+      notes_.emplace_back(
+          "where the file places the body is left out: a scenario says where it is");
   }
 
   void read_geoms() {

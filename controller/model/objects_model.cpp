@@ -96,7 +96,7 @@ class ObjectsModel final : public PlanningModel {
         support_(std::move(support)),
         n_(static_cast<int>(parameters.objects.size())) {
     for (int i = 0; i < n_; ++i)
-      inverse_inertia_.push_back(
+      inverse_inertia_.emplace_back(
           parameters_.objects[static_cast<std::size_t>(i)].inertia.inverse());
     std::vector<int> points(static_cast<std::size_t>(n_), 0);
     for (const ModelContact& contact : layout().contacts) {

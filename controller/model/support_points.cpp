@@ -107,7 +107,7 @@ std::vector<Vector2d> spread(const std::vector<Vector2d>& on_face, std::size_t c
   if (count == 3) {
     const std::size_t corners = among.size();
     for (std::size_t i = 0; i < corners; ++i)
-      among.push_back(0.5 * (among[i] + among[(i + 1) % corners]));
+      among.emplace_back(0.5 * (among[i] + among[(i + 1) % corners]));
   }
   std::vector<Vector2d> best;
   double best_stand = -std::numeric_limits<double>::infinity();

@@ -87,7 +87,7 @@ void Service::take_targets(std::int64_t now_ns) {
 std::string Service::take_target(const wire::TaskTarget& sample) {
   try {
     const Target target = load_target(wire::request(sample));
-    const std::string refused = refusal(target, limits_);
+    std::string refused = refusal(target, limits_);
     if (refused.empty()) in_.target = target;
     return refused;
   } catch (const task::RequestError& error) {

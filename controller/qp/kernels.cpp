@@ -19,10 +19,10 @@
 namespace c3rt::qp::kernels {
 namespace {
 
-typedef double Four __attribute__((vector_size(32)));
-typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
-typedef long long FourBits __attribute__((vector_size(32)));
-typedef long long FourBitsAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+using Four __attribute__((vector_size(32))) = double;
+using FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias)) = double;
+using FourBits __attribute__((vector_size(32))) = long long;
+using FourBitsAnywhere __attribute__((vector_size(32), aligned(8), may_alias)) = long long;
 
 constexpr int kMaxFours = 6;  // that many sums fit the registers
 

@@ -44,7 +44,7 @@ void QpRows::find_neighbours() {
   const int stages = sizes_.N + 3;
   std::vector<int> row_of(static_cast<std::size_t>(stages * sizes_.n_z()), -1);
   const auto place = [&](const Row& row, int step) -> int& {
-    return row_of[static_cast<std::size_t>((row.stage + 1 + step) * sizes_.n_z() + row.coordinate)];
+    return row_of[(row.stage + 1 + step) * sizes_.n_z() + row.coordinate];
   };
   for (int i = 0; i < all(); ++i) {
     if (rows_[i].coordinate >= 0) place(rows_[i], 0) = i;
@@ -72,7 +72,7 @@ void QpRows::add_general(int k, const VectorXd& a, double lower, double upper) {
   if (size == 0.0 || (a.array() != 0.0).count() > 1) {
     const double scale = size == 0.0 ? 1.0 : 1.0 / size;
     rows_.push_back({k, -1, static_cast<int>(normals_.size()), scale * lower, scale * upper});
-    normals_.push_back(scale * a);
+    normals_.emplace_back(scale * a);
     return;
   }
   const double l = lower / a[largest], u = upper / a[largest];

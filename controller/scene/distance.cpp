@@ -113,7 +113,7 @@ Separation of_cores(const Core& first, const Core& second) noexcept {
         used |= simplex.tags[static_cast<std::size_t>(i)] == slot;
     }
     on_first[static_cast<std::size_t>(slot)] = first.farthest(towards);
-    const Vector3d corner = on_first[static_cast<std::size_t>(slot)] - second.farthest(-towards);
+    Vector3d corner = on_first[static_cast<std::size_t>(slot)] - second.farthest(-towards);
     simplex.add(corner, slot);
     return corner;
   };

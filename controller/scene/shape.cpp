@@ -61,7 +61,7 @@ Nearest nearest_face(const ConvexMesh& mesh, const Vector3d& p) noexcept {
 /// The distance of a point to a hull, outside by Gilbert, Johnson and Keerthi.
 Nearest nearest_of_mesh(const ConvexMesh& mesh, const Vector3d& p) noexcept {
   constexpr int kMostSteps = 60;  // degenerate meshes would go round for ever
-  const Nearest face = nearest_face(mesh, p);
+  Nearest face = nearest_face(mesh, p);
   if (face.distance <= 0.0) return face;
   Simplex simplex;
   simplex.corners[0] = mesh.vertices().front() - p;

@@ -30,11 +30,11 @@ inline Eigen::Vector3d reduce(Simplex& simplex) noexcept {
   double best = std::numeric_limits<double>::infinity();
   Eigen::Vector3d point = simplex.corners[0];
   Simplex needed;
-  for (unsigned subset = 1; subset < (1u << simplex.size); ++subset) {
+  for (unsigned subset = 1; subset < (1U << simplex.size); ++subset) {
     Simplex of;
     for (int i = 0; i < simplex.size; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      if ((subset >> i & 1u) != 0) of.add(simplex.corners[at], simplex.tags[at]);
+      if ((subset >> i & 1U) != 0) of.add(simplex.corners[at], simplex.tags[at]);
     }
     Eigen::Vector3d candidate = of.corners[0];
     if (of.size > 1) {

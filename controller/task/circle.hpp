@@ -122,7 +122,7 @@ inline std::vector<Eigen::Vector2d> Circle::outline(const Eigen::AlignedBox2d&) 
   std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < 240; ++i) {
     const double angle = 2.0 * M_PI * i / 240.0;
-    points.push_back(center + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    points.emplace_back(center + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
   }
   points.push_back(points.front());
   return points;

@@ -23,10 +23,10 @@ struct Pose {
 
   static Pose load(Source& source);
 
-  double position_error(const PoseGoal& goal, const Placement& body) const noexcept;  // [m]
+  double position_error(const PoseGoal& goal, const Placement& placed) const noexcept;  // [m]
   /// Between the body's orientation and the goal's; 0 of a goal without one [rad].
-  double angle_error(const PoseGoal& goal, const Placement& body) const noexcept;
-  bool reached(const PoseGoal& goal, const Placement& body) const noexcept;
+  double angle_error(const PoseGoal& goal, const Placement& placed) const noexcept;
+  bool reached(const PoseGoal& goal, const Placement& placed) const noexcept;
   /// The goal that the state is at; the last one when all are done.
   const PoseGoal& due(const State& state) const noexcept;
   bool done(const State& state) const noexcept;
@@ -38,7 +38,7 @@ struct Pose {
   Eigen::Vector2d target(const scene::Scene& scene, int of, const State& state) const noexcept;
   Eigen::Vector2d velocity(double, double) const noexcept { return Eigen::Vector2d::Zero(); }
   /// Distance to the last goal.
-  double error(double, const Eigen::Vector2d& body) const noexcept;
+  double error(double, const Eigen::Vector2d& at) const noexcept;
   Eigen::Vector2d middle() const;
   /// From goal to goal.
   std::vector<Eigen::Vector2d> outline(const Eigen::AlignedBox2d& tracks) const;

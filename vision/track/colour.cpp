@@ -38,14 +38,14 @@ ColourKey::ColourKey(const std::vector<Eigen::Vector3d>& colours, std::size_t ow
   const double scale = (colour.maxCoeff() - colour.minCoeff()) / margin;
   own_ = (scale * own_direction).cast<float>();
   for (const Eigen::Vector3d& direction : directions)
-    others_.push_back((scale * direction).cast<float>());
+    others_.emplace_back((scale * direction).cast<float>());
 }
 
 void ColourKey::extract(const cv::Mat& image, cv::Mat& channel) const {
   channel.create(image.size(), CV_8UC1);
   for (int row = 0; row < image.rows; ++row) {
-    const std::uint8_t* pixel = image.ptr<std::uint8_t>(row);
-    std::uint8_t* out = channel.ptr<std::uint8_t>(row);
+    const auto* pixel = image.ptr<std::uint8_t>(row);
+    auto* out = channel.ptr<std::uint8_t>(row);
     for (int column = 0; column < image.cols; ++column, pixel += 3) {
       const int r = pixel[0], g = pixel[1], b = pixel[2];
       if (std::max({r, g, b}) - std::min({r, g, b}) <= kGrey) {

@@ -208,7 +208,7 @@ std::vector<cv::Vec3f> CircleDetector::circles(const CameraModel& camera, const 
 Detection CircleDetector::detect(const CameraModel& camera, const cv::Mat& image, const Roi& roi,
                                  const Expectation& expected) {
   for (const cv::Vec3f& circle : circles(camera, image, roi, expected)) {
-    const Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
+    Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
     if (detection.found) return detection;
   }
   return {};
@@ -219,7 +219,7 @@ std::vector<Detection> CircleDetector::detect_all(const CameraModel& camera, con
                                                   std::size_t most) {
   std::vector<Detection> found;
   for (const cv::Vec3f& circle : circles(camera, image, roi, expected)) {
-    const Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
+    Detection detection = refine(camera, roi, {circle[0], circle[1]}, circle[2], expected);
     if (!detection.found) continue;
     // two balls cannot be in one place
     const auto same = std::find_if(found.begin(), found.end(), [&](const Detection& other) {

@@ -37,8 +37,7 @@ constexpr double kInSet = 1e-12;  // the same, for a copy that needs no further 
 class AdmmProjection final : public Projection {
  public:
   AdmmProjection(const Sizes& sizes, const AdmmProjectionSettings& settings)
-      : sizes_(sizes),
-        settings_(settings),
+      : settings_(settings),
         n_(sizes.n_lambda),
         M_(sizes.n_z(), sizes.n_z()),
         eigen_(sizes.n_z()),
@@ -182,7 +181,6 @@ class AdmmProjection final : public Projection {
     return violation;
   }
 
-  Sizes sizes_;
   AdmmProjectionSettings settings_;
   int n_;                   // pairs
   MatrixXd U_, L_inverse_;  // U = L Lᵀ

@@ -33,10 +33,10 @@ bool line_is_free(const scene::Scene& scene, const Eigen::Vector3d& from, const 
 Eigen::Vector3d next_corner(const scene::Scene& scene, const Eigen::Vector3d& from,
                             const Eigen::Vector3d& goal, double safe, double clear) noexcept {
   if (line_is_free(scene, from, goal, clear)) return goal;
-  const Eigen::Vector3d above(goal.x(), goal.y(), std::max(safe, goal.z()));
+  Eigen::Vector3d above(goal.x(), goal.y(), std::max(safe, goal.z()));
   if (line_is_free(scene, from, above, clear)) return above;
   const scene::Gap gap = nearest_gap(scene, from);
-  const Eigen::Vector3d up(from.x(), from.y(), std::max(safe, from.z()));
+  Eigen::Vector3d up(from.x(), from.y(), std::max(safe, from.z()));
   if (gap.distance >= clear || gap.normal.z() > 0.9) return up;
   // level, as the table is below; no farther than to the middle between two faces, and from there
   // up along both

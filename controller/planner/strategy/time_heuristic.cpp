@@ -21,7 +21,7 @@ constexpr double kAstrayTime = 0.3;  // for this long is brought back [s]
 
 // The tool points down; the tilt leans it about the axis (e_y, −e_x, 0).
 Eigen::Quaterniond tool_orientation(double tilt, const Eigen::Vector2d& e) {
-  const Eigen::Quaterniond down(0.0, 1.0, 0.0, 0.0);
+  Eigen::Quaterniond down(0.0, 1.0, 0.0, 0.0);
   if (tilt == 0.0 || e.norm() < 1e-9) return down;
   const Eigen::Vector2d direction = e.normalized();
   return Eigen::AngleAxisd(tilt, Eigen::Vector3d(direction.y(), -direction.x(), 0.0)) * down;

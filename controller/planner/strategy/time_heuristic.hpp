@@ -54,7 +54,7 @@ class TimeHeuristic final : public Strategy {
   TimeHeuristic(const Parameters& parameters, C3Controller& c3);
 
   void reset() override;
-  const Decision& decide(const Situation& situation, C3Controller& c3) override;
+  const Decision& decide(const Situation& now, C3Controller& c3) override;
 
  private:
   /// What a client's target and the spheres make of the situation: when a sphere has to lie still.
