@@ -9,7 +9,9 @@ target_compile_options(c3rt_house INTERFACE
   -ffp-contract=off)
 target_include_directories(c3rt_house INTERFACE ${PROJECT_SOURCE_DIR})
 if(C3RT_SANITIZE)
-  target_compile_options(c3rt_house INTERFACE -fsanitize=${C3RT_SANITIZE} -fno-omit-frame-pointer)
+  # a finding ends the test; without this undefined behaviour is printed and the test passes
+  target_compile_options(c3rt_house INTERFACE
+    -fsanitize=${C3RT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(c3rt_house INTERFACE -fsanitize=${C3RT_SANITIZE})
 endif()
 
@@ -42,6 +44,14 @@ function(c3rt_process name source)
   install(TARGETS c3rt-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+# c3rt_timeout(VARIABLE seconds): what a test may take in this build
+function(c3rt_timeout variable seconds)
+  if(C3RT_SANITIZE)
+    math(EXPR seconds "10 * ${seconds}")
+  endif()
+  set(${variable} ${seconds} PARENT_SCOPE)
+endfunction()
+
 # c3rt_test(room/name [DEPS target...] [LABEL unit|property|integration|system] [TIMEOUT seconds])
 # tests/room/name_test.cpp becomes the ctest "room/name". The target unit_tests builds those that need no process.
 function(c3rt_test path)
@@ -52,6 +62,7 @@ function(c3rt_test path)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 60)
   endif()
+  c3rt_timeout(timeout ${arg_TIMEOUT})
   string(REPLACE "/" "_" target test_${path})
   add_executable(${target} ${PROJECT_SOURCE_DIR}/tests/${path}_test.cpp)
   target_link_libraries(${target} PRIVATE ${arg_DEPS} c3rt_test_main c3rt::house)
@@ -65,5 +76,5 @@ function(c3rt_test path)
     add_dependencies(unit_tests ${target})
   endif()
   add_test(NAME ${path} COMMAND ${target})
-  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
+  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${timeout})
 endfunction()

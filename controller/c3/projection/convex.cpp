@@ -49,8 +49,8 @@ class ConvexProjection final : public Projection {
   }
 
   void start(const lcs::Lcs& lcs) noexcept override {
-    is_convex_ = factorise(lcs.F);
-    if (!is_convex_) return;
+    is_convex_ = n_ == 0 || factorise(lcs.F);
+    if (!is_convex_ || n_ == 0) return;
     const int n_x = sizes_.n_x, n_u = sizes_.n_u;
     rows_.assign(lcs);
     auto C_x = rows_.C.block(0, n_, n_x, n_);
@@ -71,6 +71,7 @@ class ConvexProjection final : public Projection {
     delta = v;
     if (!v.allFinite()) return {ProjectionStatus::kNotFinite, 0, 0.0};
     if (!is_convex_) return {ProjectionStatus::kNotConvex, 0, 0.0};
+    if (n_ == 0) return {ProjectionStatus::kSolved, 1, 0.0};  // nothing is excluded
     sizes_.lambda(delta) *= alpha_;
     rows_.evaluate(delta);
     const double tolerance = kFeasible * rows_.largest;
@@ -112,7 +113,6 @@ class ConvexProjection final : public Projection {
     S_ = 0.5 * F;
     S_ += 0.5 * F.transpose();
     S_.diagonal().array() += epsilon_;
-    if (n_ == 0) return true;
     if (S_.diagonal().minCoeff() < 0.0) return false;
     cholesky_.compute(S_);
     if (is_definite()) return true;
