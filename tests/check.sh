@@ -3,7 +3,8 @@
 #
 #   tests/check.sh                     format, then tidy, then sanitizers
 #   tests/check.sh format              the sources are as .clang-format has them; --fix makes them so
-#   tests/check.sh tidy [FILE...]      clang-tidy's checks of .clang-tidy, of these files or of all
+#   tests/check.sh tidy [FILE...]      clang-tidy's checks of .clang-tidy, of these files or of all but the tests'
+#   tests/check.sh tidy --since COMMIT the same of the files that changed since then or include what did
 #   tests/check.sh sanitizers          the unit and property tests under address and undefined-behaviour sanitizers
 #
 # Needs cmake/packages_check.txt (./c3rt check installs it) and, for tidy, a configured build (./c3rt build).
@@ -17,7 +18,7 @@ fail() {
   exit 1
 }
 usage() {
-  sed -n 's/^# \{0,1\}//; 2,10p' "${BASH_SOURCE[0]}"
+  sed -n 's/^# \{0,1\}//; 2,11p' "${BASH_SOURCE[0]}"
   exit "$1"
 }
 # need PROGRAM: of a fixed major version, since another one formats otherwise
@@ -39,26 +40,68 @@ format() {
   printf 'check: format: %s files\n' "$(sources | wc -l)"
 }
 
+# with_changes COMMIT: of our sources those that changed since it or include what did
+with_changes() {
+  local -a changed
+  mapfile -t changed < <(git diff --name-only --diff-filter=d "$1" -- '*.cpp' '*.hpp')
+  ((${#changed[@]})) || return 0
+  printf '%s\n' "${changed[@]}"
+  # the first of the files that the compiler read is the source itself; ccache may have made their paths relative
+  ninja -C build/release -t deps | awk -v root="$root/" '
+    NR == FNR { changed[root $0]; next }
+    /^[^ ]/ { source = "" }
+    /^ / { file = $1; sub(/^\.\.\/\.\.\//, root, file); if (source == "") source = file; if (file in changed) print substr(source, length(root) + 1) }
+  ' <(printf '%s\n' "${changed[@]}") -
+}
+
+# one clang-tidy; what it says is shown whole, also what keeps it from reading a file, if there is anything
+tidy_one() {
+  local said
+  said=$(clang-tidy -p build/release --quiet --warnings-as-errors='*' "$@" 2>&1) && return
+  printf '%s\n' "$said" | sed '/^[0-9]* warnings\{0,1\} generated\.$/d' >&2
+  return 1
+}
+
 tidy() {
   need clang-tidy
-  [[ -f build/release/compile_commands.json ]] || fail "no build/release/compile_commands.json: run ./c3rt build first"
+  local -r compiled=build/release/compile_commands.json
+  [[ -f $compiled ]] || fail "no $compiled: run ./c3rt build first"
   local -a files
-  if (($#)); then files=("$@"); else mapfile -t files < <(git ls-files -- '*.cpp' ':!tests'); fi
+  mapfile -t files < <(git ls-files -- '*.cpp' ':!tests')
+  if [[ ${1:-} == --since ]]; then
+    git rev-parse --quiet --verify "$2^{commit}" >/dev/null || fail "--since: expected a commit, got $2"
+    git diff --quiet "$2" -- .clang-tidy || set --  # another rule concerns every file
+    if (($#)); then
+      mapfile -t files < <(with_changes "$2" | grep -Fx -f <(printf '%s\n' "${files[@]}") | sort -u)
+    fi
+  elif (($#)); then
+    files=("$@")
+  fi
+  local file
+  for file in "${files[@]}"; do
+    # clang-tidy would guess how to compile it
+    grep -qF "\"file\": \"$root/$file\"" "$compiled" || fail "$file is not compiled by build/release: no CMakeLists.txt names it, or its library is not installed"
+  done
   printf 'check: tidy: %s files\n' "${#files[@]}"
-  printf '%s\0' "${files[@]}" |
-    xargs -0 -n 4 -P "$jobs" clang-tidy -p build/release --quiet --warnings-as-errors='*' 2>/dev/null ||
+  ((${#files[@]})) || return 0
+  export -f tidy_one
+  printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$jobs" bash -c 'tidy_one "$@" || exit 1' tidy_one ||
     fail "clang-tidy has something to say: see above"
 }
 
 sanitizers() {
   cmake --preset asan >/dev/null
   ninja -C build/asan -j "$jobs" --quiet unit_tests || fail "the sanitized tests do not build"
-  ctest --test-dir build/asan --output-on-failure --parallel 2 --label-regex '^(unit|property)$' ||
+  ctest --test-dir build/asan --output-on-failure --parallel 2 --no-tests=error --label-regex '^(unit|property)$' ||
     fail "a sanitized test failed: see above"
 }
 
 case ${1:-all} in
-  all) format && tidy && sanitizers ;;
+  all)
+    format
+    tidy
+    sanitizers
+    ;;
   format | tidy | sanitizers) "$@" ;;
   -h | --help) usage 0 ;;
   *) usage 2 >&2 ;;
