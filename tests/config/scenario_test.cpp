@@ -243,8 +243,8 @@ TEST_CASE("scenario: cameras are refused with an object that they cannot track, 
   CHECK(error("circle_slow", ball) == "no error");
   CHECK_THAT(
       error("push_box",
-            "{mjcf: ../objects/t.xml, name: tee, position_m: [0.5, 0], friction_table: 0.3}"),
-      Contains("vision.source") && Contains("\"tee\"") && Contains("spheres"));
+            "{mjcf: ../objects/l.xml, name: ell, position_m: [0.5, 0], friction_table: 0.3}"),
+      Contains("vision.source") && Contains("\"ell\"") && Contains("no sphere by its tags"));
   CHECK_THAT(error("push_box",
                    "{shape: box, position_m: [0.5, 0], half_sizes_m: [0.05, 0.05, "
                    "0.03], mass_kg: 0.5}"),
@@ -322,6 +322,20 @@ TEST_CASE("scenario: what is not chosen may be absent, and is asked for where it
     CHECK(error_with("circle_slow", row.absent) == "no error");
     CHECK_THAT(error_with("circle_slow", row.absent, {row.choice}), Contains(row.error));
   }
+}
+
+TEST_CASE("scenario: cameras know what is no sphere by its tags, which must be there and differ") {
+  CHECK_THAT(error_with("push_box", "", {"vision.source=cameras"}),
+             Contains("vision.source: expected emulated, or sites tag36h11_ID in the MuJoCo model "
+                      "of \"box0\""));
+  CHECK_THAT(error_with("push_t", "", {"vision.source=cameras"}),
+             Contains("vision.tags: expected the section, as cameras know \"t\" by its tags"));
+  CHECK(error_with("push_t_cameras", "") == "no error");
+  CHECK_THAT(error_with("push_t_cameras",
+                        "planner: {model: {objects: [../objects/t.xml, ../objects/t.xml]}}\n"
+                        "plant: {objects: [{mjcf: ../objects/t.xml, position_m: [0.5, -0.2]}, "
+                        "{mjcf: ../objects/t.xml, position_m: [0.5, 0.2]}]}\n"),
+             Contains("objects whose tags differ, got tag 0 on \"t\" and on \"t1\""));
 }
 
 TEST_CASE("scenario: what is there is checked though it is not chosen") {
