@@ -332,7 +332,9 @@ TEST_CASE("scenario: cameras know what is no sphere by its tags, which must be t
              Contains("vision.tags: expected the section, as cameras know \"t\" by its tags"));
   CHECK(error_with("push_t_cameras", "") == "no error");
   CHECK_THAT(error_with("push_t_cameras",
-                        "planner: {model: {objects: [../objects/t.xml, ../objects/t.xml]}}\n"
+                        "planner: {model: {objects: [../objects/t.xml, ../objects/t.xml], "
+                        "contacts: {object_object: true}}, "
+                        "weights: {push: {G: {object_normal: 0.1, object_tangential: 0.1}}}}\n"
                         "plant: {objects: [{mjcf: ../objects/t.xml, position_m: [0.5, -0.2]}, "
                         "{mjcf: ../objects/t.xml, position_m: [0.5, 0.2]}]}\n"),
              Contains("objects whose tags differ, got tag 0 on \"t\" and on \"t1\""));
