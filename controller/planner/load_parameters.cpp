@@ -195,7 +195,8 @@ Ratio load_ratio(config::Section& section, const ModelParameters& model) {
 
 /// Carries what was tuned with one body over to the model's. Forces grow with its mass, heights are
 /// those above its top. The end effector, which stays as it is, rolls over it on a circle of both
-/// radii: ways beside the top grow with that, so that they end at the same angle.
+/// radii: ways beside the top grow with that, so that they end at the same angle. From behind a
+/// larger body, which has room, it comes by as much more as that is larger.
 void carry_over(const Ratio& ratio, Parameters& parameters) {
   const model::ModelKind& kind = model::model_kind(parameters.model.kind);
   const double mass = parameters.model.values[kind.mass_key] / ratio.mass;
@@ -213,7 +214,7 @@ void carry_over(const Ratio& ratio, Parameters& parameters) {
   HeuristicParameters& heuristic = parameters.heuristic;
   heuristic.roll_duration *= shorter;
   heuristic.roll_reach *= way;
-  heuristic.return_back *= way;
+  heuristic.return_back *= std::max(way, ratio.size);
   heuristic.return_heights.array() += 2.0 * larger;
   // The arm rebounds where it lands, for a time that is a larger part of a shorter way, and over a
   // gap there is no grip. What presses it down makes the time shorter by as much.
