@@ -166,7 +166,7 @@ class Sampling final : public Strategy {
   /// never reaches.
   std::optional<task::Goal> goal_of(const Situation& now) const {
     const TaskAtHand& task = state_.task;
-    if (const auto goal = task.goal()) return goal;
+    if (auto goal = task.goal()) return goal;
     if (now.scene.body_count == 0) return std::nullopt;
     return task::Goal{0, task.target(now.scene, 0, now.input->now, 0.0), std::nullopt, 0.0, 0.0};
   }
