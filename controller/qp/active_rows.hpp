@@ -16,10 +16,11 @@ class ActiveRows {
  public:
   enum class Held : char { kNo, kLower, kUpper, kEquality };
 
-  /// How many rows of a guess were held anew and let go of.
+  /// How many rows a solution showed to be guessed wrongly.
   struct Corrections {
-    int taken = 0, released = 0;
-    int all() const noexcept { return taken + released; }
+    int violated = 0;    // left out, but outside their bounds
+    int wrong_sign = 0;  // active, but with a multiplier that pushes outwards
+    int all() const noexcept { return violated + wrong_sign; }
   };
 
   /// How far a value may be beyond its bound.
@@ -32,17 +33,17 @@ class ActiveRows {
 
   /// For all of the rows. May allocate.
   void prepare();
-  /// Only what has l = u is held. RT.
+  /// Only what has l = u is active. RT.
   void release() noexcept;
 
   Held operator[](int row) const noexcept { return held_[row]; }
   void set(int row, Held held) noexcept { held_[row] = held; }
-  /// The bound of a held row.
+  /// The bound of an active row.
   double target(int row) const noexcept {
     return held_[row] == Held::kUpper ? rows_[row].upper : rows_[row].lower;
   }
 
-  /// Lets go of rows that pull the wrong way and holds rows that are violated. RT.
+  /// Deactivates rows whose multiplier has the wrong sign and activates violated ones. RT.
   /// @param value       aᵀ z of each row
   /// @param multiplier  of each row; positive pushes up
   /// @param compliance  of each row, positive: the units in which multipliers compare
@@ -53,11 +54,10 @@ class ActiveRows {
   static constexpr double kTolerance = 1e-10;  // of bounds and of signs of multipliers
 
   bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
-  void hold_run(int first, const Eigen::VectorXd& value, Corrections& made) noexcept;
+  void activate_run(int first, const Eigen::VectorXd& value) noexcept;
 
   const QpRows& rows_;
   std::vector<Held> held_;
-  std::vector<Held> before_;    // the guess that is corrected
   std::vector<Held> violated_;  // per row: the side
 };
 

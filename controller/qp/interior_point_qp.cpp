@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kPatience = 5;           // rounds that hold new rows and correct no less than before
+constexpr int kPatience = 5;           // corrections that find no fewer rows guessed wrongly
 constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
 constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
 constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
@@ -164,17 +164,17 @@ bool InteriorPointQp::settle() noexcept {
   while (patience > 0) {
     if (!tie()) return false;
     pull_from_rest();
-    ActiveRows::Corrections made = held_.correct(model_.value(), multiplier_, compliance_);
-    if (made.all() == 0) {
+    ActiveRows::Corrections found = held_.correct(model_.value(), multiplier_, compliance_);
+    if (found.all() == 0) {
       if (!pull_to_the_end()) return false;
-      made = held_.correct(model_.value(), multiplier_, compliance_);
-      if (made.all() == 0) return true;
+      found = held_.correct(model_.value(), multiplier_, compliance_);
+      if (found.all() == 0) return true;
     }
-    // what only lets go comes to an end; what also takes may go in circles
-    if (made.taken > 0 && made.all() >= fewest) {
+    // deactivating alone comes to an end, activating may go in circles
+    if (found.violated > 0 && found.all() >= fewest) {
       --patience;
-    } else if (made.all() < fewest) {
-      fewest = made.all();
+    } else if (found.all() < fewest) {
+      fewest = found.all();
       patience = kPatience;
     }
   }

@@ -120,6 +120,34 @@ C3RT_INLINE void multiply(int rows, const double* X, Columns S, int first, int l
   }
 }
 
+/// Four rows are transposed.
+C3RT_INLINE void turn(Four (&rows)[4]) {
+  const Four ab_even = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6);
+  const Four ab_odd = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
+  const Four cd_even = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6);
+  const Four cd_odd = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
+  rows[0] = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  rows[2] = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  rows[3] = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
+/// L⁻¹ y of a triangle so small that its loops are unrolled, and L⁻ᵀ y.
+template <int kSize>
+C3RT_INLINE void solve_small(const double* L, int ld, const double* inverse, double* y) {
+  for (int m = 0; m < kSize; ++m) {
+    y[m] *= inverse[m];
+    for (int i = m + 1; i < kSize; ++i) y[i] -= L[m * ld + i] * y[m];
+  }
+}
+template <int kSize>
+C3RT_INLINE void solve_small_transposed(const double* L, int ld, const double* inverse, double* y) {
+  for (int m = kSize - 1; m >= 0; --m) {
+    y[m] *= inverse[m];
+    for (int i = 0; i < m; ++i) y[i] -= L[i * ld + m] * y[m];
+  }
+}
+
 /// Four rows from each of `at` on: side by side, as one sum alone waits for each of its terms.
 template <int kFours, bool kMinusB>
 C3RT_INLINE void combine_fours(const int (&at)[kFours], int cols, const double* X, int stride,
@@ -247,14 +275,8 @@ C3RT_WIDE void transpose(int rows, int cols, const double* X, double* Y) noexcep
       const Four b = left > 1 ? *reinterpret_cast<const FourAnywhere*>(x + ld_X) : zeros;
       const Four c = left > 2 ? *reinterpret_cast<const FourAnywhere*>(x + 2 * ld_X) : zeros;
       const Four d = left > 3 ? *reinterpret_cast<const FourAnywhere*>(x + 3 * ld_X) : zeros;
-      const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
-      const Four ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-      const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
-      const Four cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-      const Four row[4] = {__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5),
-                           __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5),
-                           __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7),
-                           __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7)};
+      Four row[4] = {a, b, c, d};
+      turn(row);
       for (int m = 0; m < 4 && j + m < rows; ++m) {
         *reinterpret_cast<FourAnywhere*>(Y + (j + m) * ld_Y + i) = row[m];
       }
@@ -394,19 +416,39 @@ C3RT_WIDE void largest_of_rows(int rows, int cols, const double* X, int stride,
   }
 }
 
-void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {
+C3RT_WIDE void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept {
   const int ld = padded(n);
-  for (int j = 0; j < n; ++j) {
-    y[j] *= inverse[j];
-    for (int i = j + 1; i < n; ++i) y[i] -= L[j * ld + i] * y[j];
+  for (; n >= 4; n -= 4, L += 4 * ld + 4, inverse += 4, y += 4) {
+    solve_small<4>(L, ld, inverse, y);
+    for (int i = 4; i < padded(n); i += 4) {
+      accumulate_fours<1, true, false>(L + i, ld, 4, nullptr, y, 1, y + i);
+    }
   }
+  if (n == 3) solve_small<3>(L, ld, inverse, y);
+  if (n == 2) solve_small<2>(L, ld, inverse, y);
+  if (n == 1) solve_small<1>(L, ld, inverse, y);
 }
 
-void solve_lower_transposed(int n, const double* L, const double* inverse, double* y) noexcept {
+C3RT_WIDE void solve_lower_transposed(int n, const double* L, const double* inverse,
+                                      double* y) noexcept {
   const int ld = padded(n);
-  for (int j = n - 1; j >= 0; --j) {
-    y[j] *= inverse[j];
-    for (int i = 0; i < j; ++i) y[i] -= L[i * ld + j] * y[j];
+  for (int j = ld - 4; j >= 0; j -= 4) {
+    const double* corner = L + j * ld + j;
+    if (n - j >= 4) solve_small_transposed<4>(corner, ld, inverse + j, y + j);
+    if (n - j == 3) solve_small_transposed<3>(corner, ld, inverse + j, y + j);
+    if (n - j == 2) solve_small_transposed<2>(corner, ld, inverse + j, y + j);
+    if (n - j == 1) solve_small_transposed<1>(corner, ld, inverse + j, y + j);
+    for (int i = 0; i < j; i += 4) {
+      Four rows[4], sum = *reinterpret_cast<const FourAnywhere*>(y + i);
+      for (int m = 0; m < 4; ++m) {
+        rows[m] = *reinterpret_cast<const FourAnywhere*>(L + (i + m) * ld + j);
+      }
+      turn(rows);
+      for (int m = 3; m >= 0; --m) {
+        sum -= rows[m] * Four{y[j + m], y[j + m], y[j + m], y[j + m]};
+      }
+      *reinterpret_cast<FourAnywhere*>(y + i) = sum;
+    }
   }
 }
 

@@ -65,7 +65,7 @@ inline double largest(int n, const double* v) noexcept { return largest(n, 1, v,
 void largest_of_columns(int rows, int cols, const double* X, int stride, double* out) noexcept;
 void largest_of_rows(int rows, int cols, const double* X, int stride, double* out) noexcept;
 
-/// L⁻¹ y in place.
+/// L⁻¹ y in place, y padded.
 void solve_lower(int n, const double* L, const double* inverse, double* y) noexcept;
 
 /// L⁻ᵀ y in place; y is padded with zeros.

@@ -49,8 +49,9 @@ void NodeQp::copy_from(const NodeQp& other) noexcept {
   std::copy(other.is_active_.begin(), other.is_active_.end(), is_active_.begin());
   std::copy_n(other.active_.begin(), other.n_active_, active_.begin());
   n_active_ = other.n_active_;
-  Q_.leftCols(n_active_) = other.Q_.leftCols(n_active_);
-  L_.topLeftCorner(n_active_, n_active_) = other.L_.topLeftCorner(n_active_, n_active_);
+  // whole columns are one block of memory
+  std::copy_n(other.Q_.data(), n_active_ * Q_.rows(), Q_.data());
+  std::copy_n(other.L_.data(), n_active_ * L_.rows(), L_.data());
 }
 
 NodeQp::Status NodeQp::solve(const Eigen::MatrixXd& C, const Eigen::VectorXd& t, double tolerance,

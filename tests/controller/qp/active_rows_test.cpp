@@ -43,73 +43,62 @@ struct Wall {
 
 }  // namespace
 
-TEST_CASE("active rows: of a violated run only the worst are held") {
+TEST_CASE("active rows: of a violated run the largest violation alone is activated") {
   Wall wall;
   REQUIRE(wall.rows.count() == kStages);
   for (int i = 5; i <= 11; ++i) wall.value[i] = 1.0 - 0.1 * std::abs(i - 8);
-  CHECK(wall.correct().taken == 3);
-  CHECK(wall.held() == ".......UUU..........");
+  for (int i = 15; i <= 17; ++i) wall.value[i] = 0.01 * i;
+  CHECK(wall.correct().violated == 10);
+  CHECK(wall.held() == "........U........U..");
 }
 
-TEST_CASE("active rows: a violated run beside held rows is held from them up to its top") {
+TEST_CASE("active rows: between active rows and the largest violation beside them all become so") {
   Wall wall;
   wall.hold(2, 7);
   wall.multiplier.segment(2, 6).setConstant(-1.0);
   wall.value.segment(2, 6).setZero();
-  wall.value.segment(8, 5) << 1.0, 2.0, 2.5, 2.2, 1.0;  // the top lies between rows 10 and 11
-  SECTION("the top is behind the worst") {
-    CHECK(wall.correct().taken == 3);
+  SECTION("behind them") {
+    wall.value.segment(8, 5) << 1.0, 2.0, 2.5, 2.2, 1.0;
+    CHECK(wall.correct().violated == 5);
     CHECK(wall.held() == "..UUUUUUUUU.........");
   }
-  SECTION("the top is before the worst") {
-    wall.value[11] = 1.0;
-    CHECK(wall.correct().taken == 2);
-    CHECK(wall.held() == "..UUUUUUUU..........");
+  SECTION("before them") {
+    wall.value.head(2) << 2.0, 1.0;
+    CHECK(wall.correct().violated == 2);
+    CHECK(wall.held() == "UUUUUUUU............");
   }
-  SECTION("what is longer than the held run is not trusted") {
-    wall.active.release();
-    wall.hold(7, 7);
-    CHECK(wall.correct().taken == 2);
-    CHECK(wall.held() == ".......U..UU........");
+  SECTION("not beside them") {
+    wall.value.segment(9, 4) << 2.0, 2.5, 2.2, 1.0;
+    CHECK(wall.correct().violated == 4);
+    CHECK(wall.held() == "..UUUUUU..U.........");
   }
 }
 
-TEST_CASE("active rows: a gap between held rows is closed at once") {
+TEST_CASE("active rows: a gap between active rows is closed at once") {
   Wall wall;
   wall.hold(3, 6);
   wall.hold(10, 13);
   wall.multiplier.setConstant(-1.0);
   wall.value.segment(3, 11) << 0, 0, 0, 0, 0.1, 0.2, 0.1, 0, 0, 0, 0;
-  CHECK(wall.correct().taken == 3);
+  CHECK(wall.correct().violated == 3);
   CHECK(wall.held() == "...UUUUUUUUUUU......");
 }
 
-TEST_CASE("active rows: only what pulls the wrong way is let go of, however hard") {
-  const auto held = [](double end) {
-    Wall wall;
-    wall.hold(3, 12);
-    wall.value.segment(3, 10).setZero();
-    wall.multiplier.segment(3, 10).setConstant(-1.0);
-    wall.multiplier[12] = end;
-    wall.correct();
-    return wall.held();
-  };
-  CHECK(held(-0.1) == "...UUUUUUUUUU.......");
-  CHECK(held(0.2) == "...UUUUUUUUU........");
-  CHECK(held(1e9) == "...UUUUUUUUU........");
-}
-
-TEST_CASE("active rows: the end of a run that is too short is no end to let go of") {
+TEST_CASE("active rows: every row whose multiplier has the wrong sign is deactivated") {
   Wall wall;
-  wall.hold(3, 8);
-  wall.value.segment(3, 6).setZero();
-  wall.multiplier.segment(3, 6).setConstant(-1.0);
-  wall.multiplier[7] = 0.5;  // behind the end, which takes the load of what is violated
-  wall.value[9] = 0.3;
-  const ActiveRows::Corrections made = wall.correct();
-  CHECK(made.taken == 1);
-  CHECK(made.released == 0);
-  CHECK(wall.held() == "...UUUUUUU..........");
+  wall.hold(3, 12);
+  wall.value.segment(3, 10).setZero();
+  wall.multiplier.segment(3, 10).setConstant(-1.0);
+  SECTION("none") {
+    CHECK(wall.correct().all() == 0);
+    CHECK(wall.held() == "...UUUUUUUUUU.......");
+  }
+  SECTION("some") {
+    wall.multiplier[5] = 0.2;
+    wall.multiplier[12] = 1e9;
+    CHECK(wall.correct().wrong_sign == 2);
+    CHECK(wall.held() == "...UU.UUUUUU........");
+  }
 }
 
 TEST_CASE("active rows: an equality is never let go of") {
