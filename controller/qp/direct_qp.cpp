@@ -53,14 +53,14 @@ class DirectQp final : public QpStep {
                  const Eigen::Ref<const MatrixXd>& x_desired, const Eigen::Ref<const MatrixXd>& g,
                  Eigen::Ref<MatrixXd> z, Eigen::Ref<VectorXd> x_N) noexcept override {
     if (rho != cost_.rho() || !factored_) {
-      cost_.weigh(rho);
+      cost_.build_hessian(rho);
       factored_ = riccati_.factor(cost_.H(), cost_.H_N());
       if (!factored_) {
         const double none = std::numeric_limits<double>::infinity();
         return {QpStatus::kNotFactorable, 0, none, none};
       }
     }
-    cost_.aim(x_desired, g);
+    cost_.set_linear_term(x_desired, g);
     if (!started_) {
       z.setZero();
       x_N.setZero();

@@ -16,12 +16,12 @@ constexpr double kFlat = 1e-13;     // of the sum of squares: what it may rise b
 constexpr int kMaxSteps = 60;
 constexpr int kMaxHalvings = 20;  // of one step
 
-/// Σ (violation)²/compliance.
-double squares(const QpModel& model, const VectorXd& compliance) noexcept {
+/// Σ (violation)²/inverse_hessian.
+double squares(const QpModel& model, const VectorXd& inverse_hessian) noexcept {
   double sum = 0.0;
   for (int i = 0; i < model.rows().count(); ++i) {
     const double outside = model.rows().outside(i, model.value()[i]);
-    sum += outside * outside / compliance[i];
+    sum += outside * outside / inverse_hessian[i];
   }
   return sum;
 }
@@ -35,7 +35,8 @@ void Infeasibility::prepare(const QpModel& model) {
 }
 
 /// At any point e away that satisfies dynamics and rows, Σ m aᵀe is at least `violated`. It is also
-/// what is left of the pull, times e, and what the multipliers of the dynamics make of the defects.
+/// what is left of their force, times e, and what the multipliers of the dynamics make of the
+/// defects.
 bool Infeasibility::is_proven(QpModel& model, const VectorXd& multiplier) noexcept {
   double violated = 0.0;
   for (int i = 0; i < model.rows().count(); ++i) {
@@ -44,7 +45,7 @@ bool Infeasibility::is_proven(QpModel& model, const VectorXd& multiplier) noexce
     violated -= multiplier[i] * (model.value()[i] - (multiplier[i] > 0.0 ? row.lower : row.upper));
   }
   if (!(violated > 0.0)) return false;
-  const Riccati::Stationarity left = model.pull(multiplier);
+  const Riccati::Stationarity left = model.stationarity_of_multipliers(multiplier);
   const Sizes& sizes = model.sizes();
   const int n_nu = sizes.n_lambda + sizes.n_u;
   const auto far = [](double largest) { return kFar * std::max(1.0, largest); };
@@ -58,19 +59,19 @@ bool Infeasibility::is_proven(QpModel& model, const VectorXd& multiplier) noexce
 /// From the minimiser without rows, damped Newton steps on the squares of the violations, the QP's
 /// own Hessian holding the point where it is [proximal point]. Where they end, the violations
 /// themselves are the multipliers sought.
-bool Infeasibility::prove(QpModel& model, const VectorXd& compliance) noexcept {
+bool Infeasibility::prove(QpModel& model, const VectorXd& inverse_hessian) noexcept {
   const int n = model.rows().count();
   steps_ = 0;
   weight_.setZero();
   extra_.setZero();
   if (!model.factor(weight_)) return false;
   model.newton_from_rest(extra_);
-  double sum = squares(model, compliance);
+  double sum = squares(model, inverse_hessian);
   while (steps_ < kMaxSteps && model.violation() > kMet) {
     ++steps_;
     for (int i = 0; i < n; ++i) {
       const double outside = model.rows().outside(i, model.value()[i]);
-      weight_[i] = outside == 0.0 ? 0.0 : kStiffness / compliance[i];
+      weight_[i] = outside == 0.0 ? 0.0 : kStiffness / inverse_hessian[i];
       extra_[i] = weight_[i] * outside;
       multiplier_[i] = -extra_[i];
     }
@@ -88,7 +89,7 @@ bool Infeasibility::prove(QpModel& model, const VectorXd& compliance) noexcept {
     for (int half = 0; half <= kMaxHalvings; ++half, alpha *= 0.5) {
       model.go_to(z_, x_N_);
       model.move(alpha);
-      after = squares(model, compliance);
+      after = squares(model, inverse_hessian);
       if (after <= sum + kDescent * alpha * slope + kFlat * sum) break;
     }
     sum = after;

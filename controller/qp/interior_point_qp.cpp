@@ -12,21 +12,22 @@ using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
-constexpr int kPatience = 5;           // corrections that find no fewer rows guessed wrongly
-constexpr int kMaxCorrections = 8;     // of the multipliers of held rows
-constexpr double kRemeasure = 2.0;     // change of rho after which compliances are measured anew
-constexpr double kStiffness = 1e7;     // of held rows, beside that of the problem against them
+constexpr int kPatience = 5;        // corrections that find no fewer rows guessed wrongly
+constexpr int kMaxCorrections = 8;  // of the multipliers of active rows
+constexpr double kRemeasure = 2.0;  // change of rho after which these are measured anew
+constexpr double kStiffness =
+    1e7;  // of the penalty of active rows, relative to the problem against them
 constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
 constexpr double kAcceptable = 1e-7;   // residuals; worse: not solved
 constexpr double kConsistent = 1e-9;   // the same for what the states miss the dynamics by
 constexpr double kToBoundary = 0.995;  // share of the way to the boundary
-constexpr double kSettled = 1e-6;      // the same; worse: the held rows are given up
+constexpr double kMultipliersConverged = 1e-6;  // the same; worse: the active set is given up
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
 }  // namespace
 
 InteriorPointQp::InteriorPointQp(const Sizes& sizes)
-    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes), held_(model_.rows()) {
+    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes), active_(model_.rows()) {
   z_kept_.setZero(sizes.n_z(), sizes.N);
   x_N_kept_.setZero(sizes.n_x);
 }
@@ -36,7 +37,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   model_.set_costs(costs, constraints);
   const QpRows& rows = model_.rows();
   sides_.clear();
-  held_.prepare();
+  active_.prepare();
   infeasibility_.prepare(model_);
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
@@ -44,7 +45,7 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
     if (row.lower > -kNone) sides_.push_back({i, 1.0, row.lower});
     if (row.upper < kNone) sides_.push_back({i, -1.0, row.upper});
   }
-  for (VectorXd* v : {&compliance_, &weight_, &multiplier_, &extra_, &multiplier_kept_}) {
+  for (VectorXd* v : {&inverse_hessian_, &weight_, &multiplier_, &extra_, &multiplier_kept_}) {
     v->setZero(rows.all());
   }
   for (VectorXd* v : {&s_, &y_, &ds_, &dy_, &ds_affine_, &dy_affine_}) {
@@ -58,7 +59,7 @@ void InteriorPointQp::start(Horizon lcs, StageMatrices W, const VectorXd* lambda
   model_.start(lcs, W, lambda_0);
   n_sides_ = 0;
   for (const Side& side : sides_) n_sides_ += side.row < model_.rows().count() ? 1 : 0;
-  release();
+  deactivate_all();
 }
 
 QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0,
@@ -66,57 +67,59 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
                                 const Eigen::Ref<const MatrixXd>& g, Eigen::Ref<MatrixXd> z,
                                 Eigen::Ref<VectorXd> x_N) noexcept {
   if (model_.rows().count() == 0) return direct_->solve(rho, x0, x_desired, g, z, x_N);
-  model_.aim(rho, x0, x_desired, g);
+  model_.set_linear_term(rho, x0, x_desired, g);
   iterations_ = 0;
   if (!(rho <= kRemeasure * rho_measured_ && rho_measured_ <= kRemeasure * rho)) {
     weight_.setZero();
     if (!model_.factor(weight_)) {
       return {QpStatus::kNotFactorable, 0, kNone, kNone};
     }
-    model_.measure(compliance_);
+    model_.measure(inverse_hessian_);
     rho_measured_ = rho;
   }
   QpStatus status = QpStatus::kSolved;
-  if (!settle()) status = iterate();
+  if (!find_active_set()) status = iterate();
   QpReport report = check(status);
   z = model_.z();
   x_N = model_.x_N();
-  if (report.status == QpStatus::kNotConverged && infeasibility_.prove(model_, compliance_)) {
+  if (report.status == QpStatus::kNotConverged && infeasibility_.prove(model_, inverse_hessian_)) {
     report.status = QpStatus::kInfeasible;
   }
-  if (report.status != QpStatus::kSolved) release();
+  if (report.status != QpStatus::kSolved) deactivate_all();
   return report;
 }
 
-void InteriorPointQp::release() noexcept {
-  held_.release();
+void InteriorPointQp::deactivate_all() noexcept {
+  active_.deactivate_all();
   multiplier_.setZero();
 }
 
-/// Solves with the held rows as equalities and the others left out: a stiff spring pulls each held
-/// row to its bound, and what pull is left becomes its multiplier [method of multipliers], until no
-/// pull is left.
-bool InteriorPointQp::hold() noexcept { return tie() && pull() && pull_to_the_end(); }
+/// Solves with the active rows as equalities and the others left out: a stiff penalty holds each of
+/// them at its bound, and its force is added to the row's multiplier [method of multipliers], until
+/// no force is left.
+bool InteriorPointQp::solve_equalities() noexcept {
+  return factor_penalties() && multiplier_step() && iterate_multipliers();
+}
 
-/// Ties springs to the held rows.
-bool InteriorPointQp::tie() noexcept {
+/// Factors the problem with the penalties of the active rows.
+bool InteriorPointQp::factor_penalties() noexcept {
   for (int i = 0; i < model_.rows().count(); ++i) {
-    weight_[i] = held_[i] == Held::kNo ? 0.0 : kStiffness / compliance_[i];
-    if (held_[i] == Held::kNo) multiplier_[i] = 0.0;
+    weight_[i] = active_[i] == Bound::kNone ? 0.0 : kStiffness / inverse_hessian_[i];
+    if (active_[i] == Bound::kNone) multiplier_[i] = 0.0;
   }
   ++iterations_;
   return model_.factor(weight_);
 }
 
-/// One pull of the springs.
-bool InteriorPointQp::pull() noexcept {
+/// One iteration of the multipliers.
+bool InteriorPointQp::multiplier_step() noexcept {
   const int n = model_.rows().count();
   model_.differentiate(multiplier_);
   for (int i = 0; i < n; ++i) {
-    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - held_.target(i));
+    extra_[i] = weight_[i] == 0.0 ? 0.0 : weight_[i] * (model_.value()[i] - active_.target(i));
   }
   model_.newton(extra_);
-  // by the step, not by the point it leads to, whose rounding the spring would magnify
+  // by the step, not by the point it leads to, whose rounding the penalty would magnify
   for (int i = 0; i < n; ++i) {
     if (weight_[i] != 0.0) multiplier_[i] -= extra_[i] + weight_[i] * model_.change(i);
   }
@@ -124,12 +127,13 @@ bool InteriorPointQp::pull() noexcept {
   return std::isfinite(model_.relative_step());
 }
 
-/// The first pull of springs tied anew, good to their stiffness.
-void InteriorPointQp::pull_from_rest() noexcept {
+/// The first iteration after `factor_penalties`, as precise as the penalties are stiff.
+void InteriorPointQp::multiplier_step_from_rest() noexcept {
   const int n = model_.rows().count();
   for (int i = 0; i < n; ++i) {
     extra_[i] = -multiplier_[i];
-    if (weight_[i] != 0.0) extra_[i] += weight_[i] * (model_.value_at_rest()[i] - held_.target(i));
+    if (weight_[i] != 0.0)
+      extra_[i] += weight_[i] * (model_.value_at_rest()[i] - active_.target(i));
   }
   model_.newton_from_rest(extra_);
   for (int i = 0; i < n; ++i) {
@@ -137,37 +141,37 @@ void InteriorPointQp::pull_from_rest() noexcept {
   }
 }
 
-/// More pulls, after a first one.
-bool InteriorPointQp::pull_to_the_end() noexcept {
+/// More iterations, after a first one.
+bool InteriorPointQp::iterate_multipliers() noexcept {
   double change = model_.relative_step();
   for (int round = 0; round < kMaxCorrections; ++round) {
     const double previous = change;
-    if (!pull()) return false;
+    if (!multiplier_step()) return false;
     change = model_.relative_step();
     if (change * change <= kConverged * previous || change > 0.5 * previous) break;
   }
-  if (!(change <= kSettled)) return false;
+  if (!(change <= kMultipliersConverged)) return false;
   // rows that contradict each other end in a compromise
   for (int i = 0; i < model_.rows().count(); ++i) {
-    if (held_[i] == Held::kNo) continue;
-    const double off = std::abs(model_.value()[i] - held_.target(i));
-    if (off > ActiveRows::slack(model_.value()[i])) return false;
+    if (active_[i] == Bound::kNone) continue;
+    const double off = std::abs(model_.value()[i] - active_.target(i));
+    if (off > ActiveSet::slack(model_.value()[i])) return false;
   }
   return true;
 }
 
-/// Holds, lets go of rows whose multiplier pulls the wrong way, holds rows that are violated, and
-/// so on [primal-dual active set]. True once nothing is to be changed. One pull, good to the
-/// springs' stiffness, is enough to correct a guess; one that stands is pulled to the end.
-bool InteriorPointQp::settle() noexcept {
+/// Solves with the active rows as equalities and corrects the set, until nothing is to be changed
+/// [primal-dual active set]: true then. One iteration of the multipliers, as precise as the
+/// penalties are stiff, is enough to correct a guess; they converge where it stands.
+bool InteriorPointQp::find_active_set() noexcept {
   int fewest = std::numeric_limits<int>::max(), patience = kPatience;
   while (patience > 0) {
-    if (!tie()) return false;
-    pull_from_rest();
-    ActiveRows::Corrections found = held_.correct(model_.value(), multiplier_, compliance_);
+    if (!factor_penalties()) return false;
+    multiplier_step_from_rest();
+    ActiveSet::Corrections found = active_.correct(model_.value(), multiplier_, inverse_hessian_);
     if (found.all() == 0) {
-      if (!pull_to_the_end()) return false;
-      found = held_.correct(model_.value(), multiplier_, compliance_);
+      if (!iterate_multipliers()) return false;
+      found = active_.correct(model_.value(), multiplier_, inverse_hessian_);
       if (found.all() == 0) return true;
     }
     // deactivating alone comes to an end, activating may go in circles
@@ -181,10 +185,10 @@ bool InteriorPointQp::settle() noexcept {
   return false;
 }
 
-/// Mehrotra's predictor-corrector from the point where only equalities are held.
+/// Mehrotra's predictor-corrector from the point where only equalities are active.
 QpStatus InteriorPointQp::iterate() noexcept {
-  release();
-  if (!hold()) {
+  deactivate_all();
+  if (!solve_equalities()) {
     collect_multipliers();
   }
   start_sides();
@@ -195,7 +199,7 @@ QpStatus InteriorPointQp::iterate() noexcept {
       const Side& side = sides_[j];
       gap = std::max(gap, s_[j] * y_[j]);
       off = std::max(off, std::abs(side.sign * (model_.value()[side.row] - side.bound) - s_[j]) /
-                              std::sqrt(compliance_[side.row]));
+                              std::sqrt(inverse_hessian_[side.row]));
     }
     collect_multipliers();
     model_.differentiate(multiplier_);
@@ -204,8 +208,8 @@ QpStatus InteriorPointQp::iterate() noexcept {
       z_kept_ = model_.z();
       x_N_kept_ = model_.x_N();
       multiplier_kept_ = multiplier_;
-      enter();
-      if (settle()) return QpStatus::kSolved;
+      guess_active_set();
+      if (find_active_set()) return QpStatus::kSolved;
       model_.go_to(z_kept_, x_N_kept_);
       multiplier_ = multiplier_kept_;
       model_.differentiate(multiplier_);
@@ -222,28 +226,28 @@ QpStatus InteriorPointQp::iterate() noexcept {
 }
 
 /// Guess from the iterate: a row is active where its multiplier is larger than its slack.
-void InteriorPointQp::enter() noexcept {
-  held_.release();
+void InteriorPointQp::guess_active_set() noexcept {
+  active_.deactivate_all();
   for (int j = 0; j < n_sides_; ++j) {
-    if (y_[j] * compliance_[sides_[j].row] <= s_[j]) continue;
-    held_.set(sides_[j].row, sides_[j].sign > 0.0 ? Held::kLower : Held::kUpper);
+    if (y_[j] * inverse_hessian_[sides_[j].row] <= s_[j]) continue;
+    active_.set(sides_[j].row, sides_[j].sign > 0.0 ? Bound::kLower : Bound::kUpper);
   }
 }
 
-/// In units of √cost a slack is s/√compliance and a multiplier y √compliance; the largest violation
-/// in these units says how large both should be.
+/// In units of √cost a slack is s/√inverse_hessian and a multiplier y √inverse_hessian; the largest
+/// violation in these units says how large both should be.
 void InteriorPointQp::start_sides() noexcept {
   violation_ = 0.0;
   const auto distance = [this](const Side& side) {
     return side.sign * (model_.value()[side.row] - side.bound);
   };
   for (int j = 0; j < n_sides_; ++j) {
-    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    const double unit = std::sqrt(inverse_hessian_[sides_[j].row]);
     violation_ = std::max(violation_, -distance(sides_[j]) / unit);
   }
   if (violation_ == 0.0) violation_ = 1.0;
   for (int j = 0; j < n_sides_; ++j) {
-    const double unit = std::sqrt(compliance_[sides_[j].row]);
+    const double unit = std::sqrt(inverse_hessian_[sides_[j].row]);
     s_[j] = std::max(std::abs(distance(sides_[j])), violation_ * unit);
     y_[j] = violation_ * violation_ / s_[j];
   }
@@ -251,7 +255,7 @@ void InteriorPointQp::start_sides() noexcept {
 
 void InteriorPointQp::collect_multipliers() noexcept {
   for (int i = 0; i < model_.rows().count(); ++i) {
-    if (held_[i] != Held::kEquality) multiplier_[i] = 0.0;
+    if (active_[i] != Bound::kEquality) multiplier_[i] = 0.0;
   }
   for (int j = 0; j < n_sides_; ++j) multiplier_[sides_[j].row] += sides_[j].sign * y_[j];
 }
@@ -260,7 +264,7 @@ void InteriorPointQp::collect_multipliers() noexcept {
 bool InteriorPointQp::newton_step() noexcept {
   const int n = model_.rows().count();
   for (int i = 0; i < n; ++i) {
-    weight_[i] = held_[i] == Held::kEquality ? kStiffness / compliance_[i] : 0.0;
+    weight_[i] = active_[i] == Bound::kEquality ? kStiffness / inverse_hessian_[i] : 0.0;
   }
   double mu = 0.0;
   for (int j = 0; j < n_sides_; ++j) {
@@ -272,8 +276,9 @@ bool InteriorPointQp::newton_step() noexcept {
 
   const auto solve_for = [&](double centre, bool corrected) {
     for (int i = 0; i < n; ++i) {
-      extra_[i] =
-          held_[i] == Held::kEquality ? weight_[i] * (model_.value()[i] - held_.target(i)) : 0.0;
+      extra_[i] = active_[i] == Bound::kEquality
+                      ? weight_[i] * (model_.value()[i] - active_.target(i))
+                      : 0.0;
     }
     const auto complementarity = [&](int j) {
       return s_[j] * y_[j] - centre + (corrected ? ds_affine_[j] * dy_affine_[j] : 0.0);
@@ -313,8 +318,9 @@ bool InteriorPointQp::newton_step() noexcept {
 
   const double alpha = longest(kToBoundary);
   for (int i = 0; i < n; ++i) {
-    if (held_[i] != Held::kEquality) continue;
-    multiplier_[i] -= alpha * weight_[i] * (model_.value()[i] - held_.target(i) + model_.change(i));
+    if (active_[i] != Bound::kEquality) continue;
+    multiplier_[i] -=
+        alpha * weight_[i] * (model_.value()[i] - active_.target(i) + model_.change(i));
   }
   model_.move(alpha);
   for (int j = 0; j < n_sides_; ++j) {
@@ -328,9 +334,10 @@ bool InteriorPointQp::newton_step() noexcept {
 QpReport InteriorPointQp::check(QpStatus status) noexcept {
   const int n = model_.rows().count();
   double dual = model_.stationarity(multiplier_);
-  double pull = 0.0;
+  double largest_force = 0.0;
   for (int i = 0; i < n; ++i) {
-    pull = std::max(pull, std::abs(multiplier_[i]) * std::sqrt(compliance_[i]));
+    largest_force =
+        std::max(largest_force, std::abs(multiplier_[i]) * std::sqrt(inverse_hessian_[i]));
   }
   for (int i = 0; i < n; ++i) {
     const QpRows::Row& row = model_.rows()[i];
@@ -338,7 +345,8 @@ QpReport InteriorPointQp::check(QpStatus status) noexcept {
     const double value = model_.value()[i];
     const double inside = multiplier_[i] > 0.0 ? value - row.lower : row.upper - value;
     const double lost = std::abs(multiplier_[i]) * std::max(0.0, inside);
-    dual = std::max(dual, lost / std::max(pull * pull, std::abs(multiplier_[i]) * std::abs(value)));
+    dual = std::max(dual, lost / std::max(largest_force * largest_force,
+                                          std::abs(multiplier_[i]) * std::abs(value)));
   }
   const double inconsistency = model_.inconsistency(), violation = model_.violation();
   const bool met = violation <= kAcceptable && inconsistency <= kConsistent && dual <= kAcceptable;

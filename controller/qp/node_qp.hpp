@@ -12,7 +12,7 @@ namespace c3rt::qp {
 ///
 /// Dual active set method [Goldfarb, Idnani 1983]: starts from the unconstrained minimiser and adds
 /// one violated constraint at a time, so that a constraint pinned in a solved state costs only the
-/// steps that it needs. The active constraints are held as an orthonormal basis Q and a triangle,
+/// steps that it needs. The active constraints are kept as an orthonormal basis Q and a triangle,
 /// not by their Gram matrix, whose condition is the square: contact rows are nearly dependent (the
 /// slips along +t and −t add up to γ).
 class NodeQp {
@@ -50,7 +50,7 @@ class NodeQp {
   double objective() const noexcept { return 0.5 * f_.squaredNorm(); }
   bool is_pinned(int i) const noexcept { return pinned_[i] != 0; }
 
-  /// The constraints held at zero, in the order of what follows.
+  /// The active constraints, in the order of what follows.
   int n_active() const noexcept { return n_active_; }
   int active(int i) const noexcept { return active_[i]; }
   /// Turns t of the active constraints into the multipliers that bring these to zero.
@@ -83,7 +83,7 @@ class NodeQp {
   std::vector<char> pinned_, is_active_;
   int n_active_ = 0;
   int contradicted_ = 0;     // where kInfeasible ended
-  std::vector<int> active_;  // constraints with s = 0 held; the first n_active_ count
+  std::vector<int> active_;  // active constraints; the first n_active_ count
   Eigen::MatrixXd Q_;        // orthonormal basis of the active columns of C
   // active columns = Q Lᵀ, L lower triangular
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> L_;

@@ -185,13 +185,14 @@ class OsqpQp final : public QpStep {
     // P z, of whose triangle each entry counts twice but on the diagonal
     multiply_P(x);
     for (int j = 0; j < n_variables_; ++j) {
-      double pull = 0.0;
+      double constraint_force = 0.0;
       for (c_int e = A_.column_start[j]; e < A_.column_start[j + 1]; ++e) {
         row_values_[A_.row_index[e]] += A_.values[e] * x[j];
-        pull += A_.values[e] * y[A_.row_index[e]];
+        constraint_force += A_.values[e] * y[A_.row_index[e]];
       }
-      dual_terms = std::max({dual_terms, std::abs(gradient_[j]), std::abs(q_[j]), std::abs(pull)});
-      gradient_[j] += pull;
+      dual_terms = std::max(
+          {dual_terms, std::abs(gradient_[j]), std::abs(q_[j]), std::abs(constraint_force)});
+      gradient_[j] += constraint_force;
       left = larger(left, std::abs(gradient_[j]));
     }
     for (Eigen::Index i = 0; i < row_values_.size(); ++i) {

@@ -29,7 +29,7 @@ void QpCost::start(StageMatrices W) noexcept {
   rho_ = 0.0;
 }
 
-void QpCost::weigh(double rho) noexcept {
+void QpCost::build_hessian(double rho) noexcept {
   for (int k = 0; k < (stride_ == 0 ? 1 : sizes_.N); ++k) {
     H_[k] = rho * W_[k];
     H_[k].topLeftCorner(sizes_.n_x, sizes_.n_x) += Q_[k];
@@ -38,8 +38,8 @@ void QpCost::weigh(double rho) noexcept {
   rho_ = rho;
 }
 
-void QpCost::aim(const Eigen::Ref<const MatrixXd>& x_desired,
-                 const Eigen::Ref<const MatrixXd>& g) noexcept {
+void QpCost::set_linear_term(const Eigen::Ref<const MatrixXd>& x_desired,
+                             const Eigen::Ref<const MatrixXd>& g) noexcept {
   const int n_x = sizes_.n_x;
   h_ = rho_ * g;
   for (int k = 0; k < sizes_.N; ++k) {

@@ -17,12 +17,12 @@ class QpCost {
   /// Takes the W of a problem, which must outlive the calls of everything below. RT.
   void start(StageMatrices W) noexcept;
   /// H for this ρ. RT.
-  void weigh(double rho) noexcept;
-  /// h for these targets and the ρ of `weigh`. RT.
-  void aim(const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-           const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
+  void build_hessian(double rho) noexcept;
+  /// h for these targets and the ρ of `build_hessian`. RT.
+  void set_linear_term(const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+                       const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
 
-  /// The ρ of the last `weigh`; 0 if none since `start`.
+  /// The ρ of the last `build_hessian`; 0 if none since `start`.
   double rho() const noexcept { return rho_; }
   StageMatrices H() const noexcept { return {H_.data(), stride_}; }
   const Eigen::MatrixXd& H_N() const noexcept { return Q_N_; }

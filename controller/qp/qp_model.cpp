@@ -31,7 +31,7 @@ void QpModel::set_costs(const Costs& costs, const Constraints& constraints) {
   value_.setZero(rows_.all());
   value_rest_.setZero(rows_.all());
   weight_.setZero(rows_.all());
-  squares_.prepare(sizes_.N, rows_.all());
+  rank_one_terms_.prepare(sizes_.N, rows_.all());
 }
 
 void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noexcept {
@@ -42,14 +42,14 @@ void QpModel::start(Horizon lcs, StageMatrices W, const VectorXd* lambda_0) noex
   lambda_0_ = lambda_0;
 }
 
-void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
-                  const Eigen::Ref<const MatrixXd>& x_desired,
-                  const Eigen::Ref<const MatrixXd>& g) noexcept {
+void QpModel::set_linear_term(double rho, const Eigen::Ref<const VectorXd>& x0,
+                              const Eigen::Ref<const MatrixXd>& x_desired,
+                              const Eigen::Ref<const MatrixXd>& g) noexcept {
   if (rho != cost_.rho()) {
-    cost_.weigh(rho);
+    cost_.build_hessian(rho);
     factored_ = false;
   }
-  cost_.aim(x_desired, g);
+  cost_.set_linear_term(x_desired, g);
   z_.setZero();
   x_N_.setZero();
   sizes_.x(z_.col(0)) = x0;
@@ -65,18 +65,19 @@ void QpModel::aim(double rho, const Eigen::Ref<const VectorXd>& x0,
 bool QpModel::factor(const VectorXd& weight) noexcept {
   // the recursion runs from the end: what lies behind the last change stands
   int last = factored_ ? -1 : sizes_.N;
-  squares_.clear();
+  rank_one_terms_.clear();
   for (int i = 0; i < rows_.count(); ++i) {
     const QpRows::Row& row = rows_[i];
     if (weight[i] != weight_[i]) last = std::max(last, row.stage);
-    if (weight[i] != 0.0) squares_.add(row.stage, row.coordinate, rows_.normal(i), weight[i]);
+    if (weight[i] != 0.0)
+      rank_one_terms_.add(row.stage, row.coordinate, rows_.normal(i), weight[i]);
   }
   weight_ = weight;
-  factored_ = riccati_.factor(cost_.H(), cost_.H_N(), last, &squares_);
+  factored_ = riccati_.factor(cost_.H(), cost_.H_N(), last, &rank_one_terms_);
   return factored_;
 }
 
-void QpModel::measure(VectorXd& compliance) noexcept {
+void QpModel::measure(VectorXd& inverse_hessian) noexcept {
   double largest = 0.0;
   for (int i = 0; i < rows_.count(); ++i) {
     const int k = rows_[i].stage;
@@ -87,14 +88,14 @@ void QpModel::measure(VectorXd& compliance) noexcept {
       total_.col(k).setZero();
     }
     rows_.add(i, 1.0, total_, total_N_);
-    compliance[i] =
-        k == sizes_.N ? riccati_.compliance(k, total_N_) : riccati_.compliance(k, total_.col(k));
-    largest = std::max(largest, compliance[i]);
+    inverse_hessian[i] = k == sizes_.N ? riccati_.inverse_hessian_along(k, total_N_)
+                                       : riccati_.inverse_hessian_along(k, total_.col(k));
+    largest = std::max(largest, inverse_hessian[i]);
   }
   // a row that no input moves
   if (largest == 0.0) largest = 1.0;
   for (int i = 0; i < rows_.count(); ++i) {
-    if (!(compliance[i] > 0.0)) compliance[i] = largest;
+    if (!(inverse_hessian[i] > 0.0)) inverse_hessian[i] = largest;
   }
 }
 
@@ -159,12 +160,12 @@ double QpModel::violation() const noexcept {
   return worst;
 }
 
-Riccati::Stationarity QpModel::pull(const VectorXd& multiplier) noexcept {
+Riccati::Stationarity QpModel::stationarity_of_multipliers(const VectorXd& multiplier) noexcept {
   riccati_.defects(z_, x_N_, defect_);
   total_.setZero();
   total_N_.setZero();
   for (int i = 0; i < rows_.count(); ++i) rows_.add(i, -multiplier[i], total_, total_N_);
-  return riccati_.pull(total_, total_N_, defect_);
+  return riccati_.stationarity_of_multipliers(total_, total_N_, defect_);
 }
 
 void QpModel::newton(const VectorXd& extra) noexcept {

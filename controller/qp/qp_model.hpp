@@ -23,9 +23,9 @@ class QpModel {
   /// As QpStep::start. RT.
   void start(Horizon lcs, StageMatrices W, const Eigen::VectorXd* lambda_0) noexcept;
   /// Takes a new problem and goes to rest, ν = 0 and x_1 … x_N = 0. RT.
-  void aim(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
-           const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-           const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
+  void set_linear_term(double rho, const Eigen::Ref<const Eigen::VectorXd>& x0,
+                       const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+                       const Eigen::Ref<const Eigen::MatrixXd>& g) noexcept;
 
   const Sizes& sizes() const noexcept { return sizes_; }
   const QpRows& rows() const noexcept { return rows_; }
@@ -39,8 +39,8 @@ class QpModel {
 
   /// Factors H + Σ w a aᵀ. RT.
   [[nodiscard]] bool factor(const Eigen::VectorXd& weight) noexcept;
-  /// Fills `compliance` of the rows (see Riccati::compliance), never zero. RT.
-  void measure(Eigen::VectorXd& compliance) noexcept;
+  /// Fills `inverse_hessian` of the rows (see Riccati::inverse_hessian_along), never zero. RT.
+  void measure(Eigen::VectorXd& inverse_hessian) noexcept;
   /// Keeps the gradient H z − h − Σ m a and the defects of this point. RT.
   void differentiate(const Eigen::VectorXd& multiplier) noexcept;
   /// What stationarity and the dynamics are missed by, each beside its terms; infinity where
@@ -50,7 +50,7 @@ class QpModel {
   /// How far outside its bounds a row is at most, beside its bound and the entries of its kind. RT.
   double violation() const noexcept;
   /// The stationarity of −Σ m a alone, with the last factorisation; no gradient is kept. RT.
-  Riccati::Stationarity pull(const Eigen::VectorXd& multiplier) noexcept;
+  Riccati::Stationarity stationarity_of_multipliers(const Eigen::VectorXd& multiplier) noexcept;
   /// The step of the factored model with the gradient kept plus Σ e a. RT.
   void newton(const Eigen::VectorXd& extra) noexcept;
   /// The same with Σ e a as the only gradient. RT.
@@ -76,7 +76,7 @@ class QpModel {
   Riccati riccati_;
   QpRows rows_;
   const Eigen::VectorXd* lambda_0_ = nullptr;
-  Squares squares_;
+  RankOneTerms rank_one_terms_;
   Eigen::MatrixXd z_, z_rest_, gradient_, gradient_rest_, total_, step_;  // (n_z × N)
   Eigen::MatrixXd defect_, defect_rest_;                                  // (n_x × N)
   Eigen::VectorXd x_N_, x_N_rest_, gradient_N_, gradient_N_rest_, total_N_, step_N_;

@@ -32,7 +32,7 @@ class QpRows {
   const Row& operator[](int i) const noexcept { return rows_[i]; }
 
   /// The row of the same entry of z one stage later (step 1) or earlier (−1), or −1. RT.
-  int beside(int i, int step) const noexcept { return step > 0 ? later_[i] : earlier_[i]; }
+  int neighbor(int i, int step) const noexcept { return step > 0 ? later_[i] : earlier_[i]; }
 
   /// How far a value is above its upper bound, or, negative, below its lower; 0 between them. RT.
   double outside(int i, double value) const noexcept {

@@ -13,17 +13,17 @@ constexpr double kFirstShift = 1e-14;  // of the largest diagonal entry, where C
 constexpr int kMaxShifts = 4;          // each 100 times the one before
 
 constexpr double kRounding = 2.2e-16;
-constexpr double kKnown = 1e-7;       // what rounding may leave open of the answer
-constexpr double kOwn = 1e-6;         // share of a gradient's own terms that counts as its scale
-constexpr int kComplianceStages = 2;  // that bring something; the sum stays linear in N
+constexpr double kKnown = 1e-7;  // what rounding may leave open of the answer
+constexpr double kOwn = 1e-6;    // share of a gradient's own terms that counts as its scale
+constexpr int kInverseHessianStages = 2;  // that bring something; the sum stays linear in N
 
-/// X += the squares' rows [row, row + rows) and columns [column, column + columns), X with columns
-/// `ld` apart.
-void add_squares(const Squares* squares, int stage, int row, int rows, int column, int columns,
-                 int ld, double* X) noexcept {
-  if (squares == nullptr) return;
-  for (int i = squares->first(stage); i >= 0; i = (*squares)[i].next) {
-    const Squares::Term& term = (*squares)[i];
+/// X += the rank_one_terms' rows [row, row + rows) and columns [column, column + columns), X with
+/// columns `ld` apart.
+void add_rank_one_terms(const RankOneTerms* rank_one_terms, int stage, int row, int rows,
+                        int column, int columns, int ld, double* X) noexcept {
+  if (rank_one_terms == nullptr) return;
+  for (int i = rank_one_terms->first(stage); i >= 0; i = (*rank_one_terms)[i].next) {
+    const RankOneTerms::Term& term = (*rank_one_terms)[i];
     if (term.coordinate >= 0) {
       const int r = term.coordinate - row, c = term.coordinate - column;
       if (r >= 0 && r < rows && c >= 0 && c < columns) X[c * ld + r] += term.weight;
@@ -42,18 +42,18 @@ double larger(double a, double b) noexcept { return a > b || std::isnan(a) ? a :
 
 }  // namespace
 
-void Squares::prepare(int N, int terms) {
+void RankOneTerms::prepare(int N, int terms) {
   first_.assign(static_cast<std::size_t>(N) + 1, -1);
   terms_.clear();
   terms_.reserve(static_cast<std::size_t>(terms));
 }
 
-void Squares::clear() noexcept {
+void RankOneTerms::clear() noexcept {
   std::fill(first_.begin(), first_.end(), -1);
   terms_.clear();
 }
 
-void Squares::add(int stage, int coordinate, const double* normal, double weight) noexcept {
+void RankOneTerms::add(int stage, int coordinate, const double* normal, double weight) noexcept {
   terms_.push_back({coordinate, normal, weight, first_[stage]});
   first_[stage] = static_cast<int>(terms_.size()) - 1;
 }
@@ -97,8 +97,8 @@ Riccati::Riccati(const Sizes& sizes)
   nu_.assign(ld_nu, 0.0);
   z_.assign(ld_z, 0.0);
   terms_ = z_;
-  pulls_.assign(ld_z * N, 0.0);
-  left_ = pulls_;
+  dynamics_terms_.assign(ld_z * N, 0.0);
+  left_ = dynamics_terms_;
   of_defects_.assign(N, 0.0);
   of_states_ = of_defects_;
 }
@@ -138,25 +138,25 @@ void Riccati::start(Horizon lcs, bool lambda_0_fixed) noexcept {
 }
 
 bool Riccati::factor(StageMatrices H, const MatrixXd& H_N, int last,
-                     const Squares* squares) noexcept {
+                     const RankOneTerms* rank_one_terms) noexcept {
   if (last >= sizes_.N) {
     last = sizes_.N - 1;
     std::vector<double>& P = stages_[last].P_next;
     for (int j = 0; j < sizes_.n_x; ++j) {
       std::copy_n(H_N.data() + j * sizes_.n_x, sizes_.n_x, &P[j * ld_x_]);
     }
-    add_squares(squares, sizes_.N, 0, sizes_.n_x, 0, sizes_.n_x, ld_x_, P.data());
+    add_rank_one_terms(rank_one_terms, sizes_.N, 0, sizes_.n_x, 0, sizes_.n_x, ld_x_, P.data());
   }
   for (int k = last; k >= 0; --k) {
-    if (!factor_inputs(k, H[k], squares)) return false;
-    if (k > 0) eliminate_inputs(k, H[k], squares);
+    if (!factor_inputs(k, H[k], rank_one_terms)) return false;
+    if (k > 0) eliminate_inputs(k, H[k], rank_one_terms);
   }
   return true;
 }
 
 /// R̂ = H_νν + B̂ᵀ P B̂ and its factor. Where rounding makes it indefinite, a tiny shift makes it
 /// definite; refinement with the exact gradient then removes the shift's error from a solution.
-bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
+bool Riccati::factor_inputs(int k, const MatrixXd& H, const RankOneTerms* rank_one_terms) noexcept {
   const kernels::Columns B_hat = system(k).B_hat.columns();
   const int begin = first(k), n = n_nu_ - begin, n_x = sizes_.n_x, ld = kernels::padded(n);
   kernels::product(n_x, stages_[k].P_next.data(), B_hat, begin, n_nu_, PB_.data());
@@ -165,7 +165,7 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) no
     std::copy_n(&H(n_x + begin, n_x + begin + j), n, &R_[j * ld]);
     std::fill(&R_[j * ld] + n, &R_[j * ld] + ld, 0.0);
   }
-  add_squares(squares, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
+  add_rank_one_terms(rank_one_terms, k, n_x + begin, n, n_x + begin, n, ld, R_.data());
   kernels::add_product(n, BP_.data(), B_hat, begin, n_nu_, R_.data());
   Stage& stage = stages_[k];
   if (kernels::cholesky(n, R_.data(), stage.L.data(), stage.L_inverse.data())) return true;
@@ -180,7 +180,8 @@ bool Riccati::factor_inputs(int k, const MatrixXd& H, const Squares* squares) no
 }
 
 /// P_k = H_xx + Aᵀ P_{k+1} A − T Tᵀ with T = (L⁻¹ S)ᵀ.
-void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares) noexcept {
+void Riccati::eliminate_inputs(int k, const MatrixXd& H,
+                               const RankOneTerms* rank_one_terms) noexcept {
   const System& system = this->system(k);
   const int n_x = sizes_.n_x;
   Stage& stage = stages_[k];
@@ -188,11 +189,11 @@ void Riccati::eliminate_inputs(int k, const MatrixXd& H, const Squares* squares)
   kernels::product(n_x, stage.P_next.data(), system.A.columns(), 0, n_x, PA_.data());
   kernels::transpose(n_x, n_x, PA_.data(), AP_.data());
   for (int j = 0; j < n_nu_; ++j) std::copy_n(&H(0, n_x + j), n_x, &stage.T[j * ld_x_]);
-  add_squares(squares, k, 0, n_x, n_x, n_nu_, ld_x_, stage.T.data());
+  add_rank_one_terms(rank_one_terms, k, 0, n_x, n_x, n_nu_, ld_x_, stage.T.data());
   kernels::add_product(n_x, AP_.data(), system.B_hat.columns(), 0, n_nu_, stage.T.data());
   kernels::solve_right(n_x, n_nu_, stage.L.data(), stage.L_inverse.data(), stage.T.data());
   for (int j = 0; j < n_x; ++j) std::copy_n(&H(0, j), n_x, &P[j * ld_x_]);
-  add_squares(squares, k, 0, n_x, 0, n_x, ld_x_, P.data());
+  add_rank_one_terms(rank_one_terms, k, 0, n_x, 0, n_x, ld_x_, P.data());
   kernels::add_product(n_x, AP_.data(), system.A.columns(), 0, n_x, P.data());
   kernels::subtract_gram(n_x, n_nu_, stage.T.data(), P.data());
   for (int j = 0; j < n_x; ++j) {
@@ -255,8 +256,9 @@ Riccati::Stationarity Riccati::stationarity(const MatrixXd& gradient, const Vect
   return look(gradient, gradient_N, nullptr, z.data());
 }
 
-Riccati::Stationarity Riccati::pull(const MatrixXd& gradient, const VectorXd& gradient_N,
-                                    const MatrixXd& defect) noexcept {
+Riccati::Stationarity Riccati::stationarity_of_multipliers(const MatrixXd& gradient,
+                                                           const VectorXd& gradient_N,
+                                                           const MatrixXd& defect) noexcept {
   return look(gradient, gradient_N, &defect, nullptr);
 }
 
@@ -272,14 +274,14 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     if (defect != nullptr) {
       for (int i = 0; i < n_x; ++i) found.defect += p_[i] * (*defect)(i, k);
     }
-    double* pull = &pulls_[k * ld_z_];
+    double* dynamics_term = &dynamics_terms_[k * ld_z_];
     double* left = &left_[k * ld_z_];
-    kernels::product_and_terms(n_z, n_x, system(k).next_transposed.data(), p_.data(), pull,
+    kernels::product_and_terms(n_z, n_x, system(k).next_transposed.data(), p_.data(), dynamics_term,
                                terms_.data());
     double unknown[2] = {0.0, 0.0};  // of λ, of u
     for (int i = 0; i < n; ++i) {
       const int row = n_x + begin + i;
-      left[row] = nu_[i] = pull[row] + g[row];
+      left[row] = nu_[i] = dynamics_term[row] + g[row];
       // an entry of R̂⁻¹ is at least this
       double& kind = unknown[begin + i < sizes_.n_lambda ? 0 : 1];
       kind = std::max(kind, terms_[row] * stage.L_inverse[i] * stage.L_inverse[i]);
@@ -303,7 +305,7 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
     kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), x_.data());
     for (int i = 0; i < n_x; ++i) {
       left[i] = x_[i];
-      p_[i] = pull[i] + (g[i] + x_[i]);
+      p_[i] = dynamics_term[i] + (g[i] + x_[i]);
     }
     if (z == nullptr) {
       for (int i = 0; i < n_x; ++i) found.state_sum += std::abs(x_[i]);
@@ -318,14 +320,16 @@ Riccati::Stationarity Riccati::look(const MatrixXd& gradient, const VectorXd& gr
   const auto of_states = [&](const double* v, int ld) {
     return kernels::largest(n_x, sizes_.N - 1, v + ld, ld);
   };
-  found.input_scale = larger(of_inputs(gradient.data(), n_z), of_inputs(pulls_.data(), ld_z_));
+  found.input_scale =
+      larger(of_inputs(gradient.data(), n_z), of_inputs(dynamics_terms_.data(), ld_z_));
   found.input = of_inputs(left_.data(), ld_z_);
-  found.state_scale = larger(of_states(gradient.data(), n_z), of_states(pulls_.data(), ld_z_));
+  found.state_scale =
+      larger(of_states(gradient.data(), n_z), of_states(dynamics_terms_.data(), ld_z_));
   found.state = of_states(left_.data(), ld_z_);
   return found;
 }
 
-double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept {
+double Riccati::inverse_hessian_along(int k, const Eigen::Ref<const VectorXd>& a) noexcept {
   const int n_x = sizes_.n_x;
   std::fill(p_.begin(), p_.end(), 0.0);
   if (k == sizes_.N) std::copy_n(a.data(), n_x, p_.data());
@@ -341,7 +345,7 @@ double Riccati::compliance(int k, const Eigen::Ref<const VectorXd>& a) noexcept 
     std::copy_n(&z_[n_x + begin], n, nu_.data());
     kernels::solve_lower(n, stage.L.data(), stage.L_inverse.data(), nu_.data());
     for (int i = 0; i < n; ++i) sum += nu_[i] * nu_[i];
-    if (j == 0 || (sum > 0.0 && ++stages >= kComplianceStages)) break;
+    if (j == 0 || (sum > 0.0 && ++stages >= kInverseHessianStages)) break;
     std::copy_n(z_.data(), n_x, p_.data());
     kernels::subtract_columns(n_x, n_nu_, stage.T.data(), nu_.data(), p_.data());
   }

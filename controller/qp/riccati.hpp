@@ -12,7 +12,7 @@ namespace c3rt::qp {
 
 /// Terms w a aᵀ of the Hessians H_k, or of H_N (stage N), kept beside them: most differ by these
 /// alone, of which few have more than one entry.
-class Squares {
+class RankOneTerms {
  public:
   struct Term {
     int coordinate;        // of the entry 1 of a; −1: a is `normal`
@@ -56,12 +56,13 @@ class Riccati {
 
   /// @param H    (n_z × n_z) symmetric
   /// @param H_N  (n_x × n_x) symmetric
-  /// @param last  the last stage whose H or squares differ from those of the factorisation before,
+  /// @param last  the last stage whose H or rank_one_terms differ from those of the factorisation
+  /// before,
   ///              whose results behind it are kept; N: all are new
-  /// @param squares  added to the Hessians; nullptr: none
+  /// @param rank_one_terms  added to the Hessians; nullptr: none
   /// False if the problem is not strictly convex in ν, or beyond double precision. RT.
   [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N, int last,
-                            const Squares* squares = nullptr) noexcept;
+                            const RankOneTerms* rank_one_terms = nullptr) noexcept;
   [[nodiscard]] bool factor(StageMatrices H, const Eigen::MatrixXd& H_N) noexcept {
     return factor(H, H_N, sizes_.N);
   }
@@ -105,13 +106,14 @@ class Riccati {
                             const Eigen::Ref<const Eigen::MatrixXd>& z) noexcept;
   /// The same of a gradient that was taken nowhere. RT.
   /// @param defect      (n_x × N), only for Stationarity::defect
-  Stationarity pull(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
-                    const Eigen::MatrixXd& defect) noexcept;
+  Stationarity stationarity_of_multipliers(const Eigen::MatrixXd& gradient,
+                                           const Eigen::VectorXd& gradient_N,
+                                           const Eigen::MatrixXd& defect) noexcept;
 
   /// How far aᵀ z_k (k < N) or aᵀ x_N moves for a unit multiplier: aᵀ H⁻¹ a of the whole problem,
   /// or at least the part of it that the inputs of the last few stages up to k bring. RT.
   /// @param a  (n_z), or (n_x) with k = N
-  double compliance(int k, const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
+  double inverse_hessian_along(int k, const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
 
   /// The change of z and x_N that minimises the model with this gradient and takes the defects out.
   /// RT.
@@ -141,10 +143,11 @@ class Riccati {
   const System& system(int k) const noexcept { return systems_[k * lcs_.stride]; }
   /// First entry of ν_k that is free.
   int first(int k) const noexcept { return k == 0 && lambda_0_fixed_ ? sizes_.n_lambda : 0; }
-  bool factor_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
+  bool factor_inputs(int k, const Eigen::MatrixXd& H, const RankOneTerms* rank_one_terms) noexcept;
   Stationarity look(const Eigen::MatrixXd& gradient, const Eigen::VectorXd& gradient_N,
                     const Eigen::MatrixXd* defect, const double* z) noexcept;
-  void eliminate_inputs(int k, const Eigen::MatrixXd& H, const Squares* squares) noexcept;
+  void eliminate_inputs(int k, const Eigen::MatrixXd& H,
+                        const RankOneTerms* rank_one_terms) noexcept;
 
   Sizes sizes_;
   int n_nu_;
@@ -157,7 +160,7 @@ class Riccati {
   std::vector<double> PA_, AP_, PB_, BP_, R_;
   std::vector<double> p_, x_, x_next_, nu_, z_, terms_;
   std::vector<double> of_defects_, of_states_;  // largest of each stage    (N)
-  std::vector<double> pulls_, left_;            // of a gradient, see `look`    (n_z × N)
+  std::vector<double> dynamics_terms_, left_;   // of a gradient, see `look`    (n_z × N)
 };
 
 /// Stationarity beside its terms, of which `terms` are those of the gradient.

@@ -50,8 +50,8 @@ Problem bounded_ball() {
   return p;
 }
 
-/// A mass drawn far beyond a bound of its position: it is held there over most of the horizon, and
-/// where the bound begins and ends to hold has to be found.
+/// A mass with a reference far beyond a bound of its position: it stays there over most of the
+/// horizon, and where the bound begins and ends to be active has to be found.
 Problem mass_at_a_wall(int N, double step) {
   const Sizes s{2, 1, 1, N};
   lcs::Lcs system{MatrixXd::Identity(2, 2), MatrixXd::Zero(2, 1), MatrixXd::Zero(2, 1),
@@ -246,7 +246,8 @@ TEST_CASE("interior point: the same problem gives the same bits, whatever came b
 }
 
 TEST_CASE(
-    "interior point: start and solve do not allocate, with rows that settle and rows that do not") {
+    "interior point: start and solve do not allocate, with active sets that are found and some "
+    "that are not") {
   if (!support::AllocationCounter::counts()) return;  // a sanitizer owns malloc
   for (const unsigned seed : {4u, 7u, 28u, 10u}) {
     const Problem p = constrained(seed);

@@ -342,9 +342,9 @@ inline Reference reference_with(const Problem& p, const Answer* claimed,
     for (int j = 0; j < n; ++j) M[place(j)][size + 1 + i] = active[i].a[j];
   }
   eliminate(M, 2 * block);
-  // how the rows move for a unit pull of each
+  // how the rows move for a unit force of each
   QuadMatrix S(n_active, std::vector<Quad>(n_active, Quad(0)));
-  std::vector<Quad> missing(n_active), unit(n_active, Quad(0)), pull;
+  std::vector<Quad> missing(n_active), unit(n_active, Quad(0)), force;
   for (int i = 0; i < n_active; ++i) {
     for (int j = 0; j < size; ++j) unit[i] = std::max(unit[i], size_of(M[j][size + 1 + i]));
     unit[i] *= Quad(1e-8);  // an input that moves the row has moved it by more
@@ -358,21 +358,21 @@ inline Reference reference_with(const Problem& p, const Answer* claimed,
     }
   }
   for (int i = 0; i < n_active; ++i) unit[i] = std::max(unit[i], S[i][i]);
-  const int rank = solve_semidefinite(S, missing, unit, pull);
+  const int rank = solve_semidefinite(S, missing, unit, force);
 
   VectorXd at(n);
   for (int j = 0; j < n; ++j) {
     Quad value = M[place(j)][size];
-    for (int i = 0; i < n_active; ++i) value += pull[i] * M[place(j)][size + 1 + i];
+    for (int i = 0; i < n_active; ++i) value += force[i] * M[place(j)][size + 1 + i];
     at[j] = static_cast<double>(value);
   }
   Reference found{at.head(N * n_z).reshaped(n_z, N), at.tail(n_x)};
   found.active = n_active - n_fixed;
   Quad largest = 1;
-  for (const Quad& one : pull) largest = std::max(largest, size_of(one));
+  for (const Quad& one : force) largest = std::max(largest, size_of(one));
   // of rows that depend on one another the multipliers are not unique
   for (int i = 0; i < n_active && rank == n_active; ++i) {
-    const double wrong = static_cast<double>(-pull[i] * side[i] / largest);
+    const double wrong = static_cast<double>(-force[i] * side[i] / largest);
     if (wrong <= found.wrong) continue;
     found.wrong = wrong;
     found.wrong_row = number[i];

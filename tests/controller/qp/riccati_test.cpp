@@ -123,7 +123,8 @@ TEST_CASE("Riccati: stationarity is what the multipliers of the dynamics leave o
     const VectorXd gradient_N = random.vector(s.n_x), x_N = random.vector(s.n_x);
     MatrixXd defect(s.n_x, s.N);
     riccati.defects(z, x_N, defect);
-    const Riccati::Stationarity found = riccati.pull(gradient, gradient_N, defect);
+    const Riccati::Stationarity found =
+        riccati.stationarity_of_multipliers(gradient, gradient_N, defect);
     // along any way e that the dynamics allow from here, gᵀe is at most what is left times e, and
     // what the multipliers make of the defects
     for (int trial = 0; trial < 20; ++trial) {
@@ -184,7 +185,7 @@ TEST_CASE("Riccati: factoring anew up to the last change gives the bits of facto
   }
 }
 
-TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part of them") {
+TEST_CASE("Riccati: rank_one_terms kept beside the Hessians count as if they were part of them") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Problem p = problem(seed);
     const Sizes& s = p.sizes;
@@ -193,23 +194,23 @@ TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part 
     MatrixXd H_N = p.costs.Q_N;
     const std::vector<MatrixXd> H_bare = H;
     const MatrixXd normals = random.matrix(s.n_z(), s.N);
-    Squares squares;
-    squares.prepare(s.N, 3 * s.N + 1);
+    RankOneTerms rank_one_terms;
+    rank_one_terms.prepare(s.N, 3 * s.N + 1);
     for (int k = 0; k < s.N; ++k) {
       const VectorXd a = normals.col(k);
-      squares.add(k, -1, normals.col(k).data(), 0.7);
+      rank_one_terms.add(k, -1, normals.col(k).data(), 0.7);
       H[k] += 0.7 * a * a.transpose();
       for (int entry : {random.index(s.n_x), s.n_x + random.index(s.n_z() - s.n_x)}) {
-        squares.add(k, entry, nullptr, 3.0);
+        rank_one_terms.add(k, entry, nullptr, 3.0);
         H[k](entry, entry) += 3.0;
       }
     }
-    squares.add(s.N, 0, nullptr, 5.0);
+    rank_one_terms.add(s.N, 0, nullptr, 5.0);
     H_N(0, 0) += 5.0;
     const MatrixXd gradient = random.matrix(s.n_z(), s.N);
     const VectorXd gradient_N = random.vector(s.n_x);
     const auto step = [&](const std::vector<MatrixXd>& hessians, const MatrixXd& last,
-                          const Squares* beside) {
+                          const RankOneTerms* beside) {
       Riccati riccati(s);
       riccati.start({p.lcs.data(), 1}, p.fixes_lambda_0);
       REQUIRE(riccati.factor({hessians.data(), 1}, last, s.N, beside));
@@ -221,15 +222,16 @@ TEST_CASE("Riccati: squares kept beside the Hessians count as if they were part 
     };
     const VectorXd expected = step(H, H_N, nullptr);
     CAPTURE(seed);
-    CHECK((step(H_bare, p.costs.Q_N, &squares) - expected).cwiseAbs().maxCoeff() <
+    CHECK((step(H_bare, p.costs.Q_N, &rank_one_terms) - expected).cwiseAbs().maxCoeff() <
           1e-12 * expected.cwiseAbs().maxCoeff());
-    squares.clear();
-    CHECK(step(H, H_N, &squares) == expected);
+    rank_one_terms.clear();
+    CHECK(step(H, H_N, &rank_one_terms) == expected);
   }
 }
 
 TEST_CASE(
-    "Riccati: the compliance is at most the dense one, near it, and exact at the first stages") {
+    "Riccati: the inverse_hessian is at most the dense one, near it, and exact at the first "
+    "stages") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Problem p = problem(seed);
     const Sizes& s = p.sizes;
@@ -242,7 +244,7 @@ TEST_CASE(
     for (int k = 0; k <= s.N; ++k) {
       const VectorXd a = random.vector(k < s.N ? s.n_z() : s.n_x);
       const double exact = a.dot(inverse.block(k * s.n_z(), k * s.n_z(), a.size(), a.size()) * a);
-      const double got = riccati.compliance(k, a);
+      const double got = riccati.inverse_hessian_along(k, a);
       CAPTURE(seed, k, s.N);
       CHECK(got <= exact * (1.0 + 1e-9));
       CHECK(got >= 0.01 * exact);
@@ -369,11 +371,11 @@ TEST_CASE("Riccati: start, factor and step do not allocate") {
   riccati.defects(gradient, gradient_N, defect);
   const double inconsistency = riccati.relative_defect(gradient, gradient_N, defect);
   riccati.step(gradient, gradient_N, defect, step, step_N);
-  const double compliance = riccati.compliance(p.sizes.N, gradient_N);
+  const double inverse_hessian = riccati.inverse_hessian_along(p.sizes.N, gradient_N);
   const double left = riccati.stationarity(gradient, gradient_N, gradient).input;
   const auto calls = counter.count();
   REQUIRE(factored);
-  REQUIRE(compliance > 0.0);
+  REQUIRE(inverse_hessian > 0.0);
   REQUIRE(left > 0.0);
   REQUIRE(inconsistency > 0.0);
   REQUIRE(calls == 0);

@@ -12,9 +12,9 @@ namespace c3rt::qp {
 
 /// A guess of which rows of a QP are active, and how a solution with these rows as equalities and
 /// the others left out corrects it [primal-dual active set]. After `prepare` nothing allocates.
-class ActiveRows {
+class ActiveSet {
  public:
-  enum class Held : char { kNo, kLower, kUpper, kEquality };
+  enum class Bound : char { kNone, kLower, kUpper, kEquality };
 
   /// How many rows a solution showed to be guessed wrongly.
   struct Corrections {
@@ -29,36 +29,36 @@ class ActiveRows {
   }
 
   /// The rows must outlive the calls of everything below.
-  explicit ActiveRows(const QpRows& rows) : rows_(rows) {}
+  explicit ActiveSet(const QpRows& rows) : rows_(rows) {}
 
   /// For all of the rows. May allocate.
   void prepare();
   /// Only what has l = u is active. RT.
-  void release() noexcept;
+  void deactivate_all() noexcept;
 
-  Held operator[](int row) const noexcept { return held_[row]; }
-  void set(int row, Held held) noexcept { held_[row] = held; }
+  Bound operator[](int row) const noexcept { return bound_[row]; }
+  void set(int row, Bound bound) noexcept { bound_[row] = bound; }
   /// The bound of an active row.
   double target(int row) const noexcept {
-    return held_[row] == Held::kUpper ? rows_[row].upper : rows_[row].lower;
+    return bound_[row] == Bound::kUpper ? rows_[row].upper : rows_[row].lower;
   }
 
   /// Deactivates rows whose multiplier has the wrong sign and activates violated ones. RT.
   /// @param value       aᵀ z of each row
   /// @param multiplier  of each row; positive pushes up
-  /// @param compliance  of each row, positive: the units in which multipliers compare
+  /// @param inverse_hessian  of each row, positive: the units in which multipliers compare
   Corrections correct(const Eigen::VectorXd& value, const Eigen::VectorXd& multiplier,
-                      const Eigen::VectorXd& compliance) noexcept;
+                      const Eigen::VectorXd& inverse_hessian) noexcept;
 
  private:
   static constexpr double kTolerance = 1e-10;  // of bounds and of signs of multipliers
 
-  bool is(const std::vector<Held>& rows, int row, Held kind) const noexcept;
+  bool is(const std::vector<Bound>& rows, int row, Bound kind) const noexcept;
   void activate_run(int first, const Eigen::VectorXd& value) noexcept;
 
   const QpRows& rows_;
-  std::vector<Held> held_;
-  std::vector<Held> violated_;  // per row: the side
+  std::vector<Bound> bound_;
+  std::vector<Bound> violated_;  // per row: the side
 };
 
 }  // namespace c3rt::qp
