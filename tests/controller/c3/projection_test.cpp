@@ -11,6 +11,7 @@
 #include "controller/lcs/lemke.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rolling_ball.hpp"
+#include "tests/support/weighted_by.hpp"
 
 using namespace c3rt;
 using namespace c3rt::c3;
@@ -19,11 +20,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-Costs weighted_by(const MatrixXd& U) {
-  Costs costs;
-  costs.U = U;
-  return costs;
-}
+using c3rt::test::weighted_by;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
