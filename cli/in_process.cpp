@@ -67,10 +67,10 @@ struct Impedance {
 }  // namespace
 
 struct InProcess::Implementation {
-  Implementation(const config::Scenario& s, std::uint64_t seed_, const wire::BusSettings& settings,
-                 const Log& log)
+  Implementation(const config::Scenario& s, std::uint64_t the_seed,
+                 const wire::BusSettings& settings, const Log& log)
       : scenario(s),
-        seed(seed_),
+        seed(the_seed),
         plant_seat(settings, c3rt_v2_PROCESS_PLANT, plant::fault_scope(s.plant), plant::kCycleNs,
                    log),
         impedance_seat(settings, c3rt_v2_PROCESS_IMPEDANCE, {},

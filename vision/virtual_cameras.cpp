@@ -123,8 +123,8 @@ struct VirtualCameras::Implementation {
     View(Implementation& owner, const CameraModel& believed, const CameraModel& real)
         : owner_(owner), model_(believed), real_(real) {}
     const CameraModel& model() const override { return model_; }
-    bool grab(std::int64_t exposure_ns, const Roi& roi, cv::Mat& image) override {
-      return owner_.grab(real_, exposure_ns, roi, image);
+    bool grab(std::int64_t at_ns, const Roi& roi, cv::Mat& image) override {
+      return owner_.grab(real_, at_ns, roi, image);
     }
 
    private:

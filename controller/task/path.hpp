@@ -88,7 +88,8 @@ class PathProgress final : public Progress {
 inline Path Path::load(Source& source) {
   Path path{};
   const Eigen::MatrixXd points = source.rows("points_m", 2, 1000, 2, -1, 1);
-  for (Eigen::Index i = 0; i < points.rows(); ++i) path.points.push_back(points.row(i).transpose());
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    path.points.emplace_back(points.row(i).transpose());
   path.interval = source.number("interval_s", 0.01, 100);
   path.between = source.choice("between", {"hold", "interpolate"}) == 0 ? Between::kHold
                                                                         : Between::kInterpolate;
