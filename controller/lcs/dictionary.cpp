@@ -67,7 +67,6 @@ bool Dictionary<Number>::exchange(const std::vector<char>& wanted, double smalle
   // λ_j's entry in the row of w_i, of pairs that are still to be exchanged
   const auto entry = [&](int i, int j) { return leading(at(where_[i], -1 - where_[n_ + j])); };
   const auto w_left = [&](int i) { return wanted[i] && is_basic(i); };
-  const auto lambda_left = [&](int j) { return wanted[j] && !is_basic(n_ + j); };
   // pairs and pairs of pairs: after each of them the basis is complementary
   while (true) {
     int first = -1, second = -1;
@@ -91,6 +90,15 @@ bool Dictionary<Number>::exchange(const std::vector<char>& wanted, double smalle
     if (first != second) pivot(where_[second], -1 - where_[n_ + first]);
   }
   // the rest is complementary again only when all of it has been exchanged
+  return exchange(wanted, wanted, smallest);
+}
+
+template <typename Number>
+bool Dictionary<Number>::exchange(const std::vector<char>& leaving,
+                                  const std::vector<char>& entering, double smallest) noexcept {
+  const auto entry = [&](int i, int j) { return leading(at(where_[i], -1 - where_[n_ + j])); };
+  const auto w_left = [&](int i) { return leaving[i] && is_basic(i); };
+  const auto lambda_left = [&](int j) { return entering[j] && !is_basic(n_ + j); };
   int left = 0, exchanged = 0;
   for (int i = 0; i < n_; ++i) left += w_left(i);
   for (; exchanged < left; ++exchanged) {

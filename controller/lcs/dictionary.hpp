@@ -31,6 +31,11 @@ class Dictionary {
   /// they all were.
   bool exchange(const std::vector<char>& wanted, double smallest) noexcept;
 
+  /// Exchanges as many w, those of `leaving`, for the λ of `entering`, in the same way; the basis
+  /// need not be complementary. All of them or, where that is no basis, none; returns which.
+  bool exchange(const std::vector<char>& leaving, const std::vector<char>& entering,
+                double smallest) noexcept;
+
   /// b of another q̃ in the same basis.
   void set_right_side(const std::vector<Number>& q) noexcept;
 

@@ -17,6 +17,7 @@ constexpr double kTieTolerance = 1e-12;
 constexpr double kRegularisedPivot = 1e-20;
 constexpr double kSmallestPivot = 1e-11;
 constexpr int kEveryBasis = 8;   // rows of which all 2^n bases are tried
+constexpr int kEveryVertex = 6;  // rows of which every other basis is tried as well, of C(2n, n)
 constexpr int kOtherStarts = 4;  // with more rows
 constexpr int kProximalSteps = 8;
 // LcpMiss::relative of an answer that need not be made more exact.
@@ -45,6 +46,7 @@ Lemke::Lemke(int size)
       row_(Eigen::VectorXd::Ones(size)),
       column_(Eigen::VectorXd::Ones(size)),
       start_(size),
+      leaving_(size),
       right_side_(size) {}
 
 LcpReport Lemke::solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
@@ -190,26 +192,51 @@ bool Lemke::try_from(const Lcp& lcp, LcpReport& report,
 
 bool Lemke::try_every_basis(const Lcp& lcp, LcpReport& report,
                             Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  const int n = size_;
-  for (unsigned mode = 1; mode < 1U << n; ++mode) {
-    for (int i = 0; i < n; ++i) start_[i] = (mode >> i & 1U) != 0;
-    small_.load(lcp.F, lcp.q, row_, column_, 0.0);
-    const bool is_basis = small_.exchange(start_, kSmallestPivot);
-    report.pivots += small_.pivots();
-    if (!is_basis) continue;
-    double smallest = 0.0, largest = 0.0;
-    for (int i = 0; i < 2 * n; ++i) {
-      smallest = std::min(smallest, small_.value(i));
-      largest = std::max(largest, small_.value(i));
+  const unsigned all = 1U << size_;
+  const auto select = [this](unsigned mode, std::vector<char>& selected) {
+    for (int i = 0; i < size_; ++i) selected[i] = (mode >> i & 1U) != 0;
+    return std::count(selected.begin(), selected.end(), char{1});
+  };
+  for (unsigned mode = 1; mode < all; ++mode) {
+    select(mode, start_);
+    leaving_ = start_;
+    if (try_basis(lcp, report, lambda)) return true;
+  }
+  // Of each mode, the answers are a polyhedron that has a vertex, and a vertex has a basis, of
+  // which what does not belong to the mode is 0.
+  for (unsigned mode = 1; size_ <= kEveryVertex && mode < all; ++mode) {
+    const auto forces = select(mode, start_);
+    for (unsigned other = 1; other < all; ++other) {
+      if (other == mode || select(other, leaving_) != forces) continue;
+      if (try_basis(lcp, report, lambda)) return true;
     }
-    if (smallest < -1e-6 * largest) continue;
-    dictionary_.load(lcp.F, lcp.q, row_, column_, 0.0);
-    dictionary_.exchange(start_, kSmallestPivot);
-    report.pivots += dictionary_.pivots();
-    take(lcp, report, lambda);
-    if (report.status == LcpStatus::kSolved) return true;
   }
   return false;
+}
+
+/// The basis where the λ of start_ are exchanged for the w of leaving_.
+bool Lemke::try_basis(const Lcp& lcp, LcpReport& report,
+                      Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  const auto load_into = [&](auto& dictionary) {
+    dictionary.load(lcp.F, lcp.q, row_, column_, 0.0);
+    const bool is_basis = start_ == leaving_
+                              ? dictionary.exchange(start_, kSmallestPivot)
+                              : dictionary.exchange(leaving_, start_, kSmallestPivot);
+    report.pivots += dictionary.pivots();
+    return is_basis;
+  };
+  if (!load_into(small_)) return false;
+  double smallest = 0.0, largest = 0.0, together = 0.0;
+  for (int i = 0; i < size_; ++i) {
+    const double w = small_.value(i), force = small_.value(size_ + i);
+    smallest = std::min({smallest, w, force});
+    largest = std::max({largest, w, force});
+    together = std::max(together, std::min(w, force));
+  }
+  if (smallest < -1e-6 * largest || together > 1e-6 * largest) return false;
+  load_into(dictionary_);
+  take(lcp, report, lambda);
+  return report.status == LcpStatus::kSolved;
 }
 
 /// In double, as the problem is given, from the basis without forces.

@@ -36,7 +36,9 @@ struct LcpReport {
 ///    Lemke's method goes on from the answer's basis without ε.
 /// 2. ε = 0, from the basis without forces, with all of them, with those of the rows that are
 ///    negative and from some others: what one covering vector misses, another finds.
-/// 3. Up to 8 rows: every basis.
+/// 3. Up to 8 rows: every complementary basis. Up to 6 rows: every other basis, too, as an answer
+///    where w_i and λ_i are both 0 may lie on none that is complementary; with these an answer is
+///    found wherever there is one.
 ///
 /// Sizes are fixed by the constructor, which allocates; nothing else does. The number of attempts
 /// does not depend on time.
@@ -76,6 +78,7 @@ class Lemke {
   bool try_from(const Lcp& lcp, LcpReport& report, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
   bool try_every_basis(const Lcp& lcp, LcpReport& report,
                        Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+  bool try_basis(const Lcp& lcp, LcpReport& report, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
   LcpMiss take(const Lcp& lcp, LcpReport& report,
                Eigen::Ref<Eigen::VectorXd> lambda) const noexcept;
   int leaving_row(int entering) const noexcept;
@@ -90,6 +93,7 @@ class Lemke {
   Eigen::VectorXd q_, terms_, absolute_, first_;
   Eigen::VectorXd row_, column_;          // R and C of equilibrate
   std::vector<char> start_;               // λ that are basic at the start of an attempt
+  std::vector<char> leaving_;             // w that these are exchanged for, in try_basis
   std::vector<DoubleDouble> right_side_;  // R (q − ε λ)
 };
 

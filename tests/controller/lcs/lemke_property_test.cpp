@@ -130,6 +130,32 @@ Lcp random_lcp(Random& random, int kind, int n) {
   return p;
 }
 
+/// Whether w − F λ = q has an answer with w, λ ≥ 0 and w_i λ_i = 0, by every choice, for each i, of
+/// w_i, λ_i or neither to be above 0: where its columns are independent, they have one solution.
+bool has_answer(const MatrixXd& F, const VectorXd& q) {
+  const int n = static_cast<int>(q.size());
+  int choices = 1;
+  for (int i = 0; i < n; ++i) choices *= 3;
+  for (int choice = 0; choice < choices; ++choice) {
+    MatrixXd columns(n, n);
+    int count = 0;
+    for (int i = 0, left = choice; i < n; ++i, left /= 3) {
+      if (left % 3 == 1) columns.col(count++) = VectorXd::Unit(n, i);
+      if (left % 3 == 2) columns.col(count++) = -F.col(i);
+    }
+    if (count == 0) {
+      if (q.isZero(0.0)) return true;
+      continue;
+    }
+    const Eigen::FullPivLU<MatrixXd> lu(columns.leftCols(count));
+    if (lu.rank() < count) continue;
+    const VectorXd v = lu.solve(q);
+    if ((columns.leftCols(count) * v - q).cwiseAbs().maxCoeff() < 1e-9 && v.minCoeff() > -1e-9)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 TEST_CASE("lemke property: what it calls solved is, and what enumeration solves it solves") {
@@ -222,4 +248,32 @@ TEST_CASE("lemke property: a box goes on for 30 steps, whatever it does on its c
     stuck += !simulation.report.ok();
   }
   CHECK(stuck <= test::property_instances() / 10000);
+}
+
+TEST_CASE("lemke property: up to 6 rows it says none only where no mode has an answer") {
+  // whole numbers, so that many modes are singular and many answers degenerate
+  int solved = 0, none = 0;
+  for (int seed = 0; seed < 10 * c3rt::test::property_instances(); ++seed) {
+    c3rt::support::Random random(static_cast<unsigned>(seed));
+    const int n = 1 + random.index(seed % 10 == 0 ? 6 : 4);
+    MatrixXd F(n, n);
+    VectorXd q(n);
+    for (int i = 0; i < n; ++i) {
+      q[i] = random.index(4) - 2;
+      for (int j = 0; j < n; ++j) F(i, j) = random.index(3) == 0 ? random.index(5) - 2 : 0;
+    }
+    Lemke lemke(n);
+    VectorXd lambda(n);
+    const LcpReport report = lemke.solve(F, q, lambda);
+    const bool exists = has_answer(F, q);
+    CAPTURE(seed, F, q, lambda);
+    CHECK((report.status == LcpStatus::kSolved) == exists);
+    if (exists) {
+      CHECK(lambda.minCoeff() >= 0.0);
+      CHECK(lambda.cwiseMin(F * lambda + q).cwiseAbs().maxCoeff() < 1e-8);
+    }
+    ++(exists ? solved : none);
+  }
+  CHECK(solved > none / 10);
+  CHECK(none > solved / 10);
 }

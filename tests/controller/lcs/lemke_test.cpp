@@ -245,6 +245,17 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("lemke: an answer that lies on no complementary basis is found") {
+  MatrixXd F = MatrixXd::Zero(2, 2);
+  F(1, 0) = 1.0;
+  const VectorXd q = Eigen::Vector2d(0.0, -1.0);
+  Lemke lemke(2);
+  VectorXd lambda(2);
+  const LcpReport report = lemke.solve(F, q, lambda);
+  CHECK(report.status == LcpStatus::kSolved);
+  CHECK(lambda == Eigen::Vector2d(1.0, 0.0));
+}
+
 TEST_CASE("lemke: NaN and wrong sizes are a status, not a crash") {
   Lemke lemke(2);
   VectorXd lambda(2);
