@@ -1,8 +1,13 @@
 #pragma once
-// Between the wire's types and the scene's: vectors, rotations, bodies. The one place where that
-// is written; what belongs to one room alone (its modes, its plans) is converted in its node.
+// Between the wire's types and those of the rooms: vectors, rotations, bodies, tasks, plans, states
+// and modes. The one place where that is written. It includes no room but the scene's and the
+// task's: what it takes of another one is a template's parameter.
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
 
 #include <Eigen/Geometry>
 
@@ -98,6 +103,172 @@ inline TaskTarget task_target(const task::Request& request) {
     std::copy(parameter.values.begin(), parameter.values.end(), out.values);
   }
   return sample;
+}
+
+// Plans. RT: no heap, no lock, no throw.
+
+template <typename Status>
+c3rt_v2_PlanStatus wire_plan_status(Status status) noexcept {
+  return status == Status::kOk          ? c3rt_v2_PLAN_OK
+         : status == Status::kTruncated ? c3rt_v2_PLAN_TRUNCATED
+                                        : c3rt_v2_PLAN_FALLBACK;
+}
+
+/// The same the other way, of whatever came.
+template <typename Status>
+Status plan_status(c3rt_v2_PlanStatus status) noexcept {
+  switch (status) {
+    case c3rt_v2_PLAN_OK:
+      return Status::kOk;
+    case c3rt_v2_PLAN_TRUNCATED:
+      return Status::kTruncated;
+    case c3rt_v2_PLAN_FALLBACK:
+      return Status::kFallback;
+  }
+  return Status::kUnknown;
+}
+
+/// Goal or knot of a motion, but for its time.
+template <typename Goal>
+void fill_knot(c3rt_v2_Knot& out, const Goal& goal) noexcept {
+  fill(out.p_WE_m, goal.p_WE);
+  fill(out.v_WE_m_per_s, goal.v_WE);
+  fill(out.q_WE, goal.q_WE);
+  fill(out.force_E_n, goal.force_E);
+}
+
+template <typename Knot>
+Knot knot(const c3rt_v2_Knot& sample) noexcept {
+  Knot knot;
+  knot.time_ns = sample.time_ns;
+  knot.p_WE = vector(sample.p_WE_m);
+  knot.v_WE = vector(sample.v_WE_m_per_s);
+  knot.q_WE = quaternion(sample.q_WE);
+  knot.force_E = vector(sample.force_E_n);
+  return knot;
+}
+
+/// Status, phase and the one knot of a planner's plan.
+template <typename PlannedStep>
+void fill_plan(Plan& out, const PlannedStep& plan, std::int64_t at_ns) noexcept {
+  out.status = wire_plan_status(plan.status);
+  set_text(out.phase, plan.phase);
+  out.knot_count = 1;
+  out.knots[0].time_ns = at_ns;
+  fill_knot(out.knots[0], plan);
+}
+
+/// What led to a planner's plan. Matrices are written one step after the other.
+template <typename PlannedStep>
+void fill_debug(PlannerDebug& out, const PlannedStep& plan) noexcept {
+  out.object_index = plan.body;
+  fill(out.p_WB_target_m, plan.body_target);
+  out.delta_t_c_s = plan.delta_t_c;
+  out.state_count = static_cast<int>(plan.x.rows());
+  out.force_count = static_cast<int>(plan.lambda.rows());
+  out.input_count = static_cast<int>(plan.u.rows());
+  fill(out.u_c3, plan.u_c3);
+  fill(out.lambda_d, plan.lambda_d);
+  fill(out.states, plan.x.reshaped());
+  fill(out.forces, plan.lambda.reshaped());
+  fill(out.inputs, plan.u.reshaped());
+  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v2_MAX_ADMM);
+  fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
+                                plan.primal_residual.size(), out.admm_iterations)));
+  out.complementarity_violation = plan.complementarity_violation;
+}
+
+/// Everything that an impedance controller follows of a plan.
+template <typename FollowedPlan>
+void read_plan(const Plan& sample, FollowedPlan& plan) noexcept {
+  constexpr int kRoom = static_cast<int>(std::tuple_size<decltype(plan.knots)>::value);
+  static_assert(c3rt_v2_MAX_KNOTS == kRoom, "room for every knot of a plan");
+  plan.session_id = sample.header.session_id;
+  plan.stamp_ns = sample.header.time_ns;
+  plan.valid_until_ns = sample.valid_until_ns;
+  plan.status = plan_status<decltype(plan.status)>(sample.status);
+  plan.knot_count = std::clamp(static_cast<int>(sample.knot_count), 0, kRoom);
+  for (int i = 0; i < plan.knot_count; ++i) {
+    auto& to = plan.knots[static_cast<std::size_t>(i)];
+    to = knot<std::decay_t<decltype(to)>>(sample.knots[i]);
+  }
+}
+
+// Robot and impedance controller. RT: no heap, no lock, no throw.
+
+template <typename Mode>
+c3rt_v2_ImpedanceMode impedance_mode(Mode mode) noexcept {
+  switch (mode) {
+    case Mode::kWait:
+      return c3rt_v2_IMPEDANCE_WAIT;
+    case Mode::kHold:
+      return c3rt_v2_IMPEDANCE_HOLD;
+    case Mode::kTrack:
+      return c3rt_v2_IMPEDANCE_TRACK;
+    case Mode::kStop:
+      break;
+  }
+  return c3rt_v2_IMPEDANCE_STOP;
+}
+
+template <typename Mode>
+c3rt_v2_RobotMode robot_mode(Mode mode) noexcept {
+  switch (mode) {
+    case Mode::kIdle:
+      return c3rt_v2_ROBOT_IDLE;
+    case Mode::kMove:
+      return c3rt_v2_ROBOT_MOVE;
+    case Mode::kReflex:
+      return c3rt_v2_ROBOT_REFLEX;
+    case Mode::kUserStopped:
+      return c3rt_v2_ROBOT_USER_STOPPED;
+  }
+  return c3rt_v2_ROBOT_REFLEX;
+}
+
+/// Of the plant's state.
+template <typename State>
+void fill_robot_state(RobotState& sample, const State& state) noexcept {
+  sample = {};
+  fill(sample.q_rad, state.q);
+  fill(sample.dq_rad_per_s, state.dq);
+  fill(sample.tau_nm, state.tau);
+  fill(sample.p_WE_m, state.p_WE);
+  fill(sample.q_WE, state.q_WE);
+  sample.mode = robot_mode(state.mode);
+  sample.errors = state.errors;
+  sample.command_success_rate = state.command_success_rate;
+  sample.command_seq = state.command_seq;
+  sample.command_state_ns = state.command_state_ns;
+}
+
+/// What an impedance controller needs of it.
+template <typename Input>
+void read_robot_state(const RobotState& sample, Input& input) noexcept {
+  input.session_id = sample.header.session_id;
+  input.state_stamp_ns = sample.header.time_ns;
+  input.q = vector(sample.q_rad);
+  input.dq = vector(sample.dq_rad_per_s);
+  input.robot_moves = sample.mode == c3rt_v2_ROBOT_IDLE || sample.mode == c3rt_v2_ROBOT_MOVE;
+}
+
+template <typename Output>
+void fill_command(RobotCommand& command, const Output& control) noexcept {
+  command.mode = impedance_mode(control.mode);
+  fill(command.tau_nm, control.tau);
+  fill(command.p_WE_desired_m, control.p_WE_desired);
+  fill(command.v_WE_desired_m_per_s, control.v_WE_desired);
+}
+
+/// Of the plant's state.
+template <typename State>
+void fill_scene(Scene& sample, const State& state) noexcept {
+  sample = {};
+  fill(sample.q_rad, state.q);
+  fill(sample.p_WE_m, state.p_WE);
+  sample.object_count = state.object_count;
+  for (int i = 0; i < state.object_count; ++i)
+    fill_motion(sample.objects[i], state.objects[static_cast<std::size_t>(i)]);
 }
 
 }  // namespace c3rt::wire

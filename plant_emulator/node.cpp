@@ -11,44 +11,6 @@ namespace {
 
 constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
 
-c3rt_v2_RobotMode robot_mode(Mode mode) noexcept {
-  switch (mode) {
-    case Mode::kIdle:
-      return c3rt_v2_ROBOT_IDLE;
-    case Mode::kMove:
-      return c3rt_v2_ROBOT_MOVE;
-    case Mode::kReflex:
-      return c3rt_v2_ROBOT_REFLEX;
-    case Mode::kUserStopped:
-      return c3rt_v2_ROBOT_USER_STOPPED;
-  }
-  return c3rt_v2_ROBOT_REFLEX;
-}
-
-void fill_state(wire::RobotState& sample, const State& state) noexcept {
-  sample = {};
-  wire::fill(sample.q_rad, state.q);
-  wire::fill(sample.dq_rad_per_s, state.dq);
-  wire::fill(sample.tau_nm, state.tau);
-  wire::fill(sample.p_WE_m, state.p_WE);
-  wire::fill(sample.q_WE, state.q_WE);
-  sample.mode = robot_mode(state.mode);
-  sample.errors = state.errors;
-  sample.command_success_rate = state.command_success_rate;
-  sample.command_seq = state.command_seq;
-  sample.command_state_ns = state.command_state_ns;
-}
-
-void fill_scene(wire::Scene& sample, const State& state, bool exposure) noexcept {
-  sample = {};
-  sample.exposure = exposure;
-  wire::fill(sample.q_rad, state.q);
-  wire::fill(sample.p_WE_m, state.p_WE);
-  sample.object_count = state.object_count;
-  for (int i = 0; i < state.object_count; ++i)
-    wire::fill_motion(sample.objects[i], state.objects[static_cast<std::size_t>(i)]);
-}
-
 }  // namespace
 
 Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed)
@@ -103,12 +65,15 @@ const Node::Output& Node::step(std::int64_t now_ns, const wire::RobotCommand* co
 
 const Node::Output& Node::observe(std::int64_t now_ns) noexcept {
   const State& state = plant_.state();
-  fill_state(output_.state, state);
+  wire::fill_robot_state(output_.state, state);
   if (state.time < nan_until_) output_.state.q_rad[0] = std::numeric_limits<double>::quiet_NaN();
   const bool exposure = exposure_.due(now_ns);
   output_.scene_due = scene_.due(now_ns) || exposure;
   if (exposure) ++counters_.exposures;
-  if (output_.scene_due) fill_scene(output_.scene, state, exposure);
+  if (output_.scene_due) {
+    wire::fill_scene(output_.scene, state);
+    output_.scene.exposure = exposure;
+  }
   return output_;
 }
 

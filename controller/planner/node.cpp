@@ -7,7 +7,6 @@
 
 #include "controller/base/time.hpp"
 #include "idl/convert.hpp"
-#include "idl/text.hpp"
 
 namespace c3rt::planner {
 namespace {
@@ -31,56 +30,6 @@ BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
   BodyInput input{seen.valid, seconds(now_ns - seen.exposure_ns), wire::body(seen)};
   input.body.a_WB = wire::vector(seen.a_WB_m_per_s2).head<2>();
   return input;
-}
-
-/// @param effective_ns from when on it is followed
-void fill_plan(wire::Plan& out, const Plan& plan, const Node::Input& in,
-               std::int64_t effective_ns) {
-  out = {};
-  out.robot = kRobot;
-  out.origin.state_ns = in.state.header.time_ns;
-  if (const auto& object = in.objects[static_cast<std::size_t>(plan.body)]) {
-    out.origin.exposure_ns = object->exposure_ns;
-    out.origin.estimate_ns = object->header.time_ns;
-  }
-  out.status = plan.status == PlanStatus::kOk          ? c3rt_v2_PLAN_OK
-               : plan.status == PlanStatus::kTruncated ? c3rt_v2_PLAN_TRUNCATED
-                                                       : c3rt_v2_PLAN_FALLBACK;
-  wire::set_text(out.phase, plan.phase);
-  out.knot_count = 1;
-  c3rt_v2_Knot& knot = out.knots[0];
-  knot.time_ns = effective_ns + nanoseconds(plan.delta_t_c);
-  wire::fill(knot.p_WE_m, plan.p_WE);
-  wire::fill(knot.v_WE_m_per_s, plan.v_WE);
-  wire::fill(knot.q_WE, plan.q_WE);
-  wire::fill(knot.force_E_n, plan.force_E);
-}
-
-/// One step after the other.
-template <std::size_t n>
-void fill_horizon(double (&out)[n], const Eigen::MatrixXd& values) {
-  wire::fill(out, values.reshaped());
-}
-
-void fill_debug(wire::PlannerDebug& out, const Plan& plan, int horizon) {
-  out = {};
-  out.robot = kRobot;
-  out.object_index = plan.body;
-  wire::fill(out.p_WB_target_m, plan.body_target);
-  out.delta_t_c_s = plan.delta_t_c;
-  out.horizon = horizon;
-  out.state_count = static_cast<int>(plan.x.rows());
-  out.force_count = static_cast<int>(plan.lambda.rows());
-  out.input_count = static_cast<int>(plan.u.rows());
-  wire::fill(out.u_c3, plan.u_c3);
-  wire::fill(out.lambda_d, plan.lambda_d);
-  fill_horizon(out.states, plan.x);
-  fill_horizon(out.forces, plan.lambda);
-  fill_horizon(out.inputs, plan.u);
-  out.admm_iterations = std::min<int>(plan.admm_iterations, c3rt_v2_MAX_ADMM);
-  wire::fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
-                                      plan.primal_residual.size(), out.admm_iterations)));
-  out.complementarity_violation = plan.complementarity_violation;
 }
 
 }  // namespace
@@ -130,12 +79,27 @@ const Node::Output& Node::step(std::int64_t now_ns, const Input& in) {
   const std::int64_t solved_ns =
       clock_.realtime ? clock_.now_ns() : now_ns + nanoseconds(clock_.solve_time);
   output_.effective_ns = std::max(now_ns + nanoseconds(parameters_.publish_delay), solved_ns);
-  fill_plan(output_.plan, plan, in, output_.effective_ns);
+  fill_plan(plan, in);
   output_.plan.solve_time_s = output_.measured;
   output_.plan.valid_until_ns = output_.effective_ns + nanoseconds(parameters_.valid_for);
   if (in.spoilt) output_.plan.knots[0].p_WE_m[0] = std::numeric_limits<double>::quiet_NaN();
-  fill_debug(output_.debug, plan, parameters_.N);
+  output_.debug = {};
+  output_.debug.robot = kRobot;
+  output_.debug.horizon = parameters_.N;
+  wire::fill_debug(output_.debug, plan);
   return output_;
+}
+
+void Node::fill_plan(const Plan& plan, const Input& in) noexcept {
+  wire::Plan& out = output_.plan;
+  out = {};
+  out.robot = kRobot;
+  out.origin.state_ns = in.state.header.time_ns;
+  if (const auto& object = in.objects[static_cast<std::size_t>(plan.body)]) {
+    out.origin.exposure_ns = object->exposure_ns;
+    out.origin.estimate_ns = object->header.time_ns;
+  }
+  wire::fill_plan(out, plan, output_.effective_ns + nanoseconds(plan.delta_t_c));
 }
 
 }  // namespace c3rt::planner

@@ -50,6 +50,7 @@ class Node {
 
  private:
   planner::Input planner_input(std::int64_t now_ns, const Input& in);
+  void fill_plan(const Plan& plan, const Input& in) noexcept;
 
   const Parameters parameters_;
   const Clock clock_;
