@@ -93,8 +93,9 @@ struct InProcess::Implementation {
         return;
       case c3rt_v2_PROCESS_PLANNER:
         planner.reset();
-        planner.emplace(planner_seat.bus, planner_seat.endpoint, scenario.planner,
-                        model::Arm(scenario.impedance.arm), scenario.timing.solve_time_s);
+        planner.emplace(planner_seat.bus, planner_seat.endpoint,
+                        planner::seeded(scenario.planner, seed), model::Arm(scenario.impedance.arm),
+                        scenario.timing.solve_time_s);
         return;
       case c3rt_v2_PROCESS_VISION:
         vision.reset();

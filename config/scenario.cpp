@@ -141,10 +141,9 @@ Scenario read_scenario(Section root) {
   }
   Section vision = root.section("vision");
   scenario.vision = vision::load_parameters(vision);
-  const std::optional<task::Goal> goal = scenario.task.motion.goal({});
-  if (goal && goal->body >= scenario.planner.model.bodies) {
+  if (scenario.task.motion.bodies() > scenario.planner.model.bodies) {
     task.fail("object", "one of the scenario's " + std::to_string(scenario.planner.model.bodies),
-              "object " + std::to_string(goal->body));
+              "object " + std::to_string(scenario.task.motion.bodies() - 1));
   }
   const std::vector<plant::ObjectParameters>& objects = scenario.plant.world.objects;
   const auto other =

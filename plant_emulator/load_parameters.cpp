@@ -29,8 +29,10 @@ double extent(const ObjectParameters& object) {
 }
 
 bool may_overlap(const ObjectParameters& a, const ObjectParameters& b) {
-  const double apart = (a.position - b.position).norm() - a.start_spread - b.start_spread -
-                       a.start_spread_xy.norm() - b.start_spread_xy.norm();
+  // between the nearest points of the two rectangles
+  const Eigen::Array2d spread = a.start_spread_xy + b.start_spread_xy;
+  const Eigen::Array2d between = ((a.position - b.position).array().abs() - spread).max(0.0);
+  const double apart = between.matrix().norm() - a.start_spread - b.start_spread;
   // two spheres on one plane touch at this distance, seen from above
   const bool spheres = is_sphere(a) && is_sphere(b);
   return apart < (spheres ? 2.0 * std::sqrt(extent(a) * extent(b)) : extent(a) + extent(b));

@@ -18,7 +18,7 @@ double worst_error(const task::Task& task, double elapsed, const SceneRow& row) 
   double worst = kNone;
   for (int object = 0; object < row.object_count; ++object) {
     const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(object)];
-    worst = std::fmax(worst, task.error(elapsed, p_WB.head<2>()));
+    worst = std::fmax(worst, task.error(elapsed, p_WB.head<2>(), object));
   }
   return worst;
 }
@@ -39,7 +39,7 @@ PathErrors path_errors(const Series& series, const task::Task& task, int object)
     const double elapsed = static_cast<double>(row.time_ns - *start) * 1e-9;
     const Eigen::Vector3d& p_WB = row.p_WB[static_cast<std::size_t>(object)];
     errors.time.push_back(elapsed);
-    errors.error.push_back(task.error(elapsed, p_WB.head<2>()));
+    errors.error.push_back(task.error(elapsed, p_WB.head<2>(), object));
   }
   return errors;
 }

@@ -30,7 +30,8 @@ ObjectFigures object_figures(const Series& series, const task::Task& task, int o
     const SceneRow& row = series.scene[i];
     const double elapsed = seconds(row.time_ns - start_ns);
     if (!(elapsed >= judged_from) || object >= row.object_count) continue;
-    const double error = task.error(elapsed, row.p_WB[static_cast<std::size_t>(object)].head<2>());
+    const double error =
+        task.error(elapsed, row.p_WB[static_cast<std::size_t>(object)].head<2>(), object);
     const double duration = seconds(series.scene[i + 1].time_ns - row.time_ns);
     rows.push_back({error, duration});
     total += duration;
@@ -63,7 +64,7 @@ void add_arrival(const Series& series, const task::Task& task, int object, std::
   for (const SceneRow& row : series.scene) {
     if (row.time_ns < start_ns || object >= row.object_count) continue;
     const Eigen::Vector2d at = row.p_WB[static_cast<std::size_t>(object)].head<2>();
-    figures.end_error = task.error(0.0, at);
+    figures.end_error = task.error(0.0, at, object);
     if (std::isnan(figures.arrived_after) && task.arrived(at).value_or(false)) {
       figures.arrived_after = seconds(row.time_ns - start_ns);
       figures.arrival_error = figures.end_error;

@@ -1,5 +1,6 @@
 #include "controller/model/objects_model.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -23,9 +24,14 @@ constexpr double kGravity = 9.81;  // [m/s²]
 constexpr int kMostObjects = 4;
 constexpr int kEndEffector = ContactPair::kEndEffector, kTable = ContactPair::kTable;
 
+/// How many objects are in the model.
+int planned(const ObjectsParameters& parameters) {
+  return parameters.closest > 0 ? parameters.closest : static_cast<int>(parameters.objects.size());
+}
+
 Layout objects_layout(const ObjectsParameters& parameters,
                       const std::vector<SupportPoints>& support) {
-  const int n = static_cast<int>(parameters.objects.size());
+  const int n = planned(parameters), all = static_cast<int>(parameters.objects.size());
   const L order{n};
   Layout layout;
   layout.n_x = order.n_x();
@@ -58,8 +64,8 @@ Layout objects_layout(const ObjectsParameters& parameters,
   }
   layout.world.table_height = parameters.table_height;
   layout.world.effector.radius = parameters.end_effector_radius;
-  layout.world.body_count = n;
-  for (int i = 0; i < n; ++i) {
+  layout.world.body_count = all;
+  for (int i = 0; i < all; ++i) {
     const scene::Object& object = parameters.objects[static_cast<std::size_t>(i)];
     layout.world.body(i).name = object.name.c_str();
     layout.world.body(i).shape = object.shape();
@@ -85,6 +91,18 @@ std::vector<SupportPoints> support_of(const ObjectsParameters& parameters) {
   std::vector<SupportPoints> result;
   for (const scene::Object& object : parameters.objects)
     result.emplace_back(object, parameters.support_points);
+  if (parameters.closest < 0 || parameters.closest > static_cast<int>(n)) {
+    throw std::invalid_argument("planning model of objects: expected " + std::to_string(n) +
+                                " of them or fewer in the model, got " +
+                                std::to_string(parameters.closest));
+  }
+  const auto differs = [&](const SupportPoints& of) { return of.size() != result.front().size(); };
+  if (planned(parameters) < static_cast<int>(n) &&
+      std::any_of(result.begin(), result.end(), differs)) {
+    throw std::invalid_argument("planning model of the closest objects: expected objects with " +
+                                std::to_string(result.front().size()) +
+                                " support points each, got another number");
+  }
   return result;
 }
 
@@ -94,10 +112,9 @@ class ObjectsModel final : public PlanningModel {
       : PlanningModel(objects_layout(parameters, support)),
         parameters_(parameters),
         support_(std::move(support)),
-        n_(static_cast<int>(parameters.objects.size())) {
-    for (int i = 0; i < n_; ++i)
-      inverse_inertia_.emplace_back(
-          parameters_.objects[static_cast<std::size_t>(i)].inertia.inverse());
+        n_(planned(parameters)) {
+    for (const scene::Object& object : parameters_.objects)
+      inverse_inertia_.emplace_back(object.inertia.inverse());
     std::vector<int> points(static_cast<std::size_t>(n_), 0);
     for (const ModelContact& contact : layout().contacts) {
       const bool with_table = contact.bodies.second == kTable;
@@ -109,15 +126,21 @@ class ObjectsModel final : public PlanningModel {
     state_about(scene, scene, x);
   }
 
+  int body(int i, const scene::Scene& about) const noexcept override {
+    return chosen(about)[static_cast<std::size_t>(i)];
+  }
+
   void state_about(const scene::Scene& scene, const scene::Scene& about,
                    Eigen::Ref<Eigen::VectorXd> x) const override {
+    const Chosen of = chosen(about);
     auto q = x.head(layout().n_v);
     auto v = x.tail(layout().n_v);
     q.segment<3>(L::effector) = scene.effector.p_WE;
     v.segment<3>(L::effector) = scene.effector.v_WE;
     for (int i = 0; i < n_; ++i) {
-      const scene::Body& body = scene.body(i);
-      const Eigen::Quaterniond q_now = about.body(i).q_WB, q_then = body.q_WB;
+      const int object = of[static_cast<std::size_t>(i)];
+      const scene::Body& body = scene.body(object);
+      const Eigen::Quaterniond q_now = about.body(object).q_WB, q_then = body.q_WB;
       const Eigen::AngleAxisd turned(q_then * q_now.conjugate());
       q.segment<3>(L::position(i)) = body.p_WB;
       q.segment<3>(L::rotation(i)) = std::remainder(turned.angle(), 2.0 * M_PI) * turned.axis();
@@ -143,12 +166,12 @@ class ObjectsModel final : public PlanningModel {
         .setConstant(1.0 / parameters_.end_effector_mass);
     system.J_f_u.block<3, 3>(L::effector, 0) =
         system.M_inverse.block<3, 3>(L::effector, L::effector);
-    std::array<scene::Place, kMostObjects> places;
+    Now now{scene, chosen(scene), {}};
     for (int i = 0; i < n_; ++i) {
-      const scene::Body& body = scene.body(i);
-      places[static_cast<std::size_t>(i)] = {body.p_WB,
-                                             Eigen::Quaterniond(body.q_WB).toRotationMatrix()};
-      free_body(i, body, places[static_cast<std::size_t>(i)].R, system);
+      const scene::Body& body = scene.body(now.object(i));
+      const Matrix3d R = Eigen::Quaterniond(body.q_WB).toRotationMatrix();
+      now.places[static_cast<std::size_t>(i)] = {body.p_WB, R};
+      free_body(i, now.object(i), body, R, system);
     }
     const auto n_c = static_cast<Eigen::Index>(contacts.size());
     system.phi.resize(n_c);
@@ -156,7 +179,7 @@ class ObjectsModel final : public PlanningModel {
     system.J_n.setZero(n_c, n_v);
     system.J_t.setZero(n_c * L::n_e, n_v);
     for (Eigen::Index i = 0; i < n_c; ++i) {
-      const Contact contact = at(contacts[static_cast<std::size_t>(i)], scene, places);
+      const Contact contact = at(contacts[static_cast<std::size_t>(i)], now);
       system.phi[i] = contact.gap;
       system.mu[i] = contact.mu;
       const Eigen::Index edges = i * L::n_e;
@@ -169,24 +192,71 @@ class ObjectsModel final : public PlanningModel {
   }
 
  private:
-  using Places = std::array<scene::Place, kMostObjects>;
+  using Chosen = std::array<int, kMostObjects>;
+  /// The scene with the objects that are in the model.
+  struct Now {
+    const scene::Scene& scene;
+    Chosen chosen;
+    std::array<scene::Place, kMostObjects> places;  // of each that is in the model
+
+    int object(int i) const noexcept { return chosen[static_cast<std::size_t>(i)]; }
+    const scene::Place& place(int i) const noexcept { return places[static_cast<std::size_t>(i)]; }
+  };
+
+  /// Which objects are in the model, in their order.
+  Chosen chosen(const scene::Scene& scene) const noexcept {
+    const int all = static_cast<int>(parameters_.objects.size());
+    Chosen order{};
+    for (int i = 0; i < all; ++i) order[static_cast<std::size_t>(i)] = i;
+    if (n_ == all) return order;
+    int nearest = 0;
+    double least = gap_to(0, scene).distance;
+    for (int i = 1; i < all; ++i) {
+      const double distance = gap_to(i, scene).distance;
+      if (distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    // by how many others are nearer
+    std::size_t count = 0;
+    const auto away = [&](int i) {
+      return (scene.body(i).p_WB - scene.body(nearest).p_WB).squaredNorm();
+    };
+    for (int i = 0; i < all; ++i) {
+      int nearer = 0;
+      for (int j = 0; j < all; ++j)
+        nearer += away(j) < away(i) || (away(j) == away(i) && j < i) ? 1 : 0;
+      if (nearer < n_) order[count++] = i;
+    }
+    return order;
+  }
+
+  scene::Gap gap_to(int i, const scene::Scene& scene) const noexcept {
+    scene::Effector effector = scene.effector;
+    effector.radius = parameters_.end_effector_radius;
+    scene::Body body = scene.body(i);
+    body.shape = object(i).shape();
+    return scene::gap(effector, body);
+  }
 
   const scene::Object& object(int i) const noexcept {
     return parameters_.objects[static_cast<std::size_t>(i)];
   }
 
   /// Newton and Euler: f of v is gravity, of ω −I⁻¹ (ω × I ω), which turns where the body turns.
-  void free_body(int i, const scene::Body& body, const Matrix3d& R, ContactSystem& system) const {
-    const Matrix3d inertia = R * object(i).inertia * R.transpose();
+  void free_body(int i, int of, const scene::Body& body, const Matrix3d& R,
+                 ContactSystem& system) const {
+    const Matrix3d inertia = R * object(of).inertia * R.transpose();
     const Matrix3d inverse_inertia =
-        R * inverse_inertia_[static_cast<std::size_t>(i)] * R.transpose();
+        R * inverse_inertia_[static_cast<std::size_t>(of)] * R.transpose();
     const Vector3d& omega = body.omega_WB;
     const Vector3d f = -inverse_inertia * omega.cross(inertia * omega);
     const Matrix3d by_omega =
         -inverse_inertia * (cross_matrix(omega) * inertia - cross_matrix(inertia * omega));
     const int p = L::position(i), r = L::rotation(i);
     system.q.segment<3>(p) = body.p_WB;
-    system.M_inverse.diagonal().segment<3>(p).setConstant(1.0 / object(i).mass);
+    system.M_inverse.diagonal().segment<3>(p).setConstant(1.0 / object(of).mass);
     system.M_inverse.block<3, 3>(r, r) = inverse_inertia;
     system.J_f_q.block<3, 3>(r, r) = by_omega * cross_matrix(omega) - cross_matrix(f);
     system.J_f_v.block<3, 3>(r, r) = by_omega;
@@ -194,24 +264,20 @@ class ObjectsModel final : public PlanningModel {
     system.d_v.segment<3>(r) = f - by_omega * omega;
   }
 
-  Contact at(int contact, const scene::Scene& scene, const Places& places) const {
+  Contact at(int contact, const Now& now) const {
     const ContactPair& bodies = layout().contacts[static_cast<std::size_t>(contact)].bodies;
-    if (bodies.first == kEndEffector) return with_effector(bodies.second, scene);
+    if (bodies.first == kEndEffector) return with_effector(bodies.second, now);
     if (bodies.second == kTable)
-      return with_table(bodies.first, point_[static_cast<std::size_t>(contact)], places);
-    return of_two(bodies.first, bodies.second, places);
+      return with_table(bodies.first, point_[static_cast<std::size_t>(contact)], now);
+    return of_two(bodies.first, bodies.second, now);
   }
 
-  Contact with_effector(int i, const scene::Scene& scene) const {
-    scene::Effector effector = scene.effector;
-    effector.radius = parameters_.end_effector_radius;
+  Contact with_effector(int i, const Now& now) const {
     const int first = parameters_.each_object ? i : 0, last = parameters_.each_object ? i : n_ - 1;
     int nearest = first;
     scene::Gap found{};
     for (int j = first; j <= last; ++j) {
-      scene::Body body = scene.body(j);
-      body.shape = object(j).shape();
-      const scene::Gap gap = scene::gap(effector, body);
+      const scene::Gap gap = gap_to(now.object(j), now.scene);
       if (j == first || gap.distance < found.distance) {
         found = gap;
         nearest = j;
@@ -225,16 +291,17 @@ class ObjectsModel final : public PlanningModel {
                     kEndEffector,
                     nearest,
                     Vector3d::Zero(),
-                    effector.p_WE - (found.distance + effector.radius) * found.normal -
-                        scene.body(nearest).p_WB};
+                    now.scene.effector.p_WE -
+                        (found.distance + parameters_.end_effector_radius) * found.normal -
+                        now.place(nearest).p};
     tangents(contact.normal, contact.t, contact.s);
     return contact;
   }
 
-  Contact with_table(int i, int point, const Places& places) const {
-    const scene::Place& place = places[static_cast<std::size_t>(i)];
-    const SupportPoints::Point& of =
-        support_[static_cast<std::size_t>(i)].below(place.R)[static_cast<std::size_t>(point)];
+  Contact with_table(int i, int point, const Now& now) const {
+    const scene::Place& place = now.place(i);
+    const SupportPoints::Point& of = support_[static_cast<std::size_t>(now.object(i))].below(
+        place.R)[static_cast<std::size_t>(point)];
     const Vector3d arm = place.R * of.p_B - of.radius * Vector3d::UnitZ();
     const double turned = point * M_PI / 8.0;
     return {place.p.z() + arm.z() - parameters_.table_height,
@@ -248,11 +315,10 @@ class ObjectsModel final : public PlanningModel {
             Vector3d::Zero()};
   }
 
-  Contact of_two(int i, int j, const Places& places) const {
-    const scene::Place &first = places[static_cast<std::size_t>(i)],
-                       &second = places[static_cast<std::size_t>(j)];
-    const scene::Separation found =
-        scene::separation(object(i).shape(), first, object(j).shape(), second);
+  Contact of_two(int i, int j, const Now& now) const {
+    const scene::Place &first = now.place(i), &second = now.place(j);
+    const scene::Separation found = scene::separation(object(now.object(i)).shape(), first,
+                                                      object(now.object(j)).shape(), second);
     Contact contact{found.distance,
                     parameters_.friction_objects,
                     found.normal,
@@ -284,7 +350,7 @@ class ObjectsModel final : public PlanningModel {
 
   ObjectsParameters parameters_;
   std::vector<SupportPoints> support_;
-  int n_;
+  int n_;  // objects that are in the model
   std::vector<Matrix3d> inverse_inertia_;
   std::vector<int> point_;  // of each contact with the table, which support point; else −1
 };
@@ -300,6 +366,8 @@ ModelKind mjcf_kind() {
   objects.names_objects = true;
   ModelKey support{"support_points", 3, 4};
   support.missing = 4.0;
+  ModelKey closest{"closest_objects", 0, kMostObjects};
+  closest.missing = 0.0;
   ModelKey with_effector{"end_effector_contacts", 0, 0, {"nearest", "each"}};
   with_effector.missing = 0.0;
   ModelKey friction_objects{"friction_objects", 0, 10};
@@ -318,17 +386,18 @@ ModelKind mjcf_kind() {
            friction_objects,
            support,
            with_effector,
+           closest,
            mass_scale,
            size_scale},
           [](const ModelValues& of, int) {
             std::vector<scene::Object> planned;
             for (const scene::Object& each : of.objects())
               planned.push_back(scene::scaled(each, of["mass_scale"], of["size_scale"]));
-            return make_objects_model({of["end_effector_mass_kg"], of["end_effector_radius_m"],
-                                       of["table_height_m"], of["friction_end_effector"],
-                                       of["friction_table"], of["friction_objects"],
-                                       static_cast<int>(of["support_points"]),
-                                       of["end_effector_contacts"] == 1.0, std::move(planned)});
+            return make_objects_model(
+                {of["end_effector_mass_kg"], of["end_effector_radius_m"], of["table_height_m"],
+                 of["friction_end_effector"], of["friction_table"], of["friction_objects"],
+                 static_cast<int>(of["support_points"]), of["end_effector_contacts"] == 1.0,
+                 std::move(planned), static_cast<int>(of["closest_objects"])});
           },
           "",
           ""};

@@ -20,11 +20,15 @@ struct ObjectsParameters {
   int support_points;            // of each object with the table, 3 or 4
   bool each_object;  // the end effector has a contact with each object; else with the nearest alone
   std::vector<scene::Object> objects;  // 1 to 4
+  // Of those so many are in the model, 0: all. The one that is nearest to the end effector, and
+  // those whose centres of mass are nearest to its; the others stay where they are.
+  int closest = 0;
 };
 
 /// x = [q; v], q = [p_WE; p_WB, θ of each object], v = [v_WE; v_WB, ω_WB of each], u = force on the
-/// end effector [N]. θ is the rotation vector in W from the orientation about which the model is
-/// taken: 0 of that scene itself. The only place that knows the order.
+/// end effector [N], where the objects are those that are in the model, in their order. θ is the
+/// rotation vector in W from the orientation about which the model is taken: 0 of that scene
+/// itself. The only place that knows the order.
 struct ObjectsLayout {
   static constexpr int n_u = 3, n_e = 4;
   int objects;

@@ -67,6 +67,10 @@ class PlanningModel {
     state(scene, x);
   }
 
+  /// Which body of the scene the layout's body i is: of a model that has not all of them it
+  /// changes from scene to scene.
+  virtual int body(int i, const scene::Scene& /*about*/) const noexcept { return i; }
+
   /// The multi-contact model at this scene.
   /// @param contacts indices into layout().contacts, in the order of λ
   ContactSystem contact_system(const scene::Scene& scene, const std::vector<int>& contacts) const {

@@ -264,7 +264,6 @@ SamplingParameters load_sampling(config::Section sampling, double effector_radiu
   if ((parameters.reach_min.array() >= parameters.reach_max.array()).any())
     sampling.fail("reach_max_m", "every entry above that of reach_min_m", "one that is not");
   parameters.reach_radius = sampling.number("reach_radius_m", {0.1, 2});
-  parameters.seed = static_cast<std::uint64_t>(sampling.integer("seed", {0, 1e9}));
   parameters.samples = sampling.integer("samples", {1, 64});
   parameters.samples_to_choose = sampling.integer("samples_to_choose", {1, 64});
   parameters.least_drawn = sampling.integer("least_drawn", {1, 1000});
@@ -279,6 +278,7 @@ SamplingParameters load_sampling(config::Section sampling, double effector_radiu
   parameters.speed = sampling.number("speed_m_per_s", {0.01, 1});
   parameters.acceleration = sampling.number("acceleration_m_per_s2", {0.1, 20});
   parameters.clear = sampling.number("clear_m", {0, 0.1});
+  if (sampling.has("threads")) parameters.threads = sampling.integer("threads", {1, 64});
   config::Section servo = sampling.section("servo");
   parameters.servo.stiffness = servo.number("stiffness_n_per_m", {0, 1e5});
   parameters.servo.damping = servo.number("damping_n_s_per_m", {0, 1e4});

@@ -34,10 +34,11 @@ BodyInput body_input(const wire::ObjectEstimate& seen, std::int64_t now_ns) {
 
 }  // namespace
 
-Node::Node(const Parameters& parameters, model::Arm arm, const Clock& clock)
+Node::Node(const Parameters& parameters, model::Arm arm, const Clock& clock,
+           const c3::Parallel& parallel)
     : parameters_(parameters),
       clock_(clock),
-      planner_(parameters),
+      planner_(parameters, parallel),
       arm_(std::move(arm)),
       solve_time_(clock.solve_time) {}
 

@@ -39,7 +39,8 @@ class Node {
   };
 
   /// @throws std::invalid_argument as Planner
-  Node(const Parameters& parameters, model::Arm arm, const Clock& clock);
+  Node(const Parameters& parameters, model::Arm arm, const Clock& clock,
+       const c3::Parallel& parallel = {});
 
   /// Valid until the next step. What is sent takes effect at a time that does not depend on how
   /// long the solve took, unless that was too long.

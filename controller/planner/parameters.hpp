@@ -98,7 +98,8 @@ struct SamplingParameters {
   double acceleration = 0.0;                     // [m/s²]
   double clear = 0.0;                            // from bodies on the way [m]
   ServoGains servo{};
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  // the run's
+  int threads = 1;         // that places are tried by; what comes of it is the same
   PhaseWeights weights;
 };
 
@@ -147,5 +148,11 @@ struct Parameters {
   bool table_below_object = false;
   double tilt;  // of the tool, about the axis (e_y, −e_x, 0) towards its way [rad]
 };
+
+/// The same for a run: whatever is drawn follows its seed.
+inline Parameters seeded(Parameters parameters, std::uint64_t seed) {
+  parameters.sampling.seed = seed;
+  return parameters;
+}
 
 }  // namespace c3rt::planner

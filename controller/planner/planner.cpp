@@ -15,11 +15,14 @@ constexpr double kLeft = 0.2;
 
 }  // namespace
 
-Planner::Planner(const Parameters& parameters)
-    : Planner(parameters, strategy_kind(parameters.strategy).make) {}
+Planner::Planner(const Parameters& parameters, const c3::Parallel& parallel)
+    : Planner(parameters, strategy_kind(parameters.strategy).make, parallel) {}
 
-Planner::Planner(const Parameters& parameters, MakeStrategy make)
-    : parameters_(parameters), c3_(parameters), strategy_(make(parameters, c3_)) {
+Planner::Planner(const Parameters& parameters, MakeStrategy make, const c3::Parallel& parallel)
+    : parameters_(parameters),
+      parallel_(parallel),
+      c3_(parameters),
+      strategy_(make(parameters, c3_)) {
   plan_.lambda_d = Eigen::VectorXd::Zero(c3_.n_lambda_d());
   plan_.x = Eigen::MatrixXd::Zero(c3_.n_x(), parameters.N);
   plan_.lambda = Eigen::MatrixXd::Zero(c3_.n_lambda(), parameters.N);
@@ -56,6 +59,7 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   situation.robot_left = input.now - followed_ > kLeft;
   situation.available = available(parameters_, input);
   situation.scene = estimate(input);
+  situation.parallel = parallel_;
 
   const Decision& decision = strategy_->decide(situation, c3_);
   if (decision.body_lost) ++counters_.body_lost;

@@ -19,10 +19,11 @@ namespace c3rt::planner {
 class Planner {
  public:
   /// @throws std::invalid_argument if the strategy, weights or sizes cannot be used (named)
-  explicit Planner(const Parameters& parameters);
+  /// @param parallel threads for a strategy that plans for several places at once
+  explicit Planner(const Parameters& parameters, const c3::Parallel& parallel = {});
   /// The same with a strategy that the registry does not know.
   using MakeStrategy = std::unique_ptr<Strategy> (*)(const Parameters&, C3Controller&);
-  Planner(const Parameters& parameters, MakeStrategy make);
+  Planner(const Parameters& parameters, MakeStrategy make, const c3::Parallel& parallel = {});
 
   /// One control period. Never throws: a solve that fails, or a failure of any kind within, gives a
   /// fallback plan that holds the end effector where it is.
@@ -53,6 +54,7 @@ class Planner {
   void tell(const Situation& situation, const Decision& decision);
 
   Parameters parameters_;
+  const c3::Parallel parallel_;
   C3Controller c3_;
   std::unique_ptr<Strategy> strategy_;
   double previous_now_ = -1.0;

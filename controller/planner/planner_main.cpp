@@ -25,12 +25,13 @@ int run(const config::ProcessOptions& options) {
       bus, c3rt_v2_PROCESS_PLANNER, {}, [](bool attention, const std::string& said) {
         spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "planner: {}", said);
       });
-  planner::Service service(bus, endpoint, scenario.planner, model::Arm(scenario.impedance.arm),
-                           scenario.timing.solve_time_s);
+  // before the service: its threads take after this one
   if (options.clock == config::Clock::kRealtime) {
     const std::string refused = rt::setup_thread({kPriority, {}, false});
     if (!refused.empty()) spdlog::warn("NOT REAL-TIME: {}; plans will be late under load", refused);
   }
+  planner::Service service(bus, endpoint, planner::seeded(scenario.planner, options.seed),
+                           model::Arm(scenario.impedance.arm), scenario.timing.solve_time_s);
   wire::Loop loop(bus, {c3rt_v2_PROCESS_PLANNER, base::nanoseconds(1.0 / scenario.planner.rate)});
   spdlog::info("planner: start rate_hz={} N={} scenario={}", scenario.planner.rate,
                scenario.planner.N, scenario.name);

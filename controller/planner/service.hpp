@@ -5,6 +5,7 @@
 #include <string>
 
 #include "controller/planner/node.hpp"
+#include "controller/rt/worker_pool.hpp"
 #include "idl/endpoint.hpp"
 
 namespace c3rt::planner {
@@ -31,6 +32,7 @@ class Service {
   wire::Endpoint& endpoint_;
   const Parameters parameters_;
   const task::Limits limits_;
+  rt::WorkerPool pool_;
   Node node_;
   wire::Reader<wire::RobotState> states_;
   wire::Reader<wire::RobotCommand> commands_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "controller/planner/strategy/registry.hpp"
 #include "controller/task/registry.hpp"
 
 namespace c3rt::planner {
@@ -31,7 +32,9 @@ Target load_target(const task::Request& request) {
 task::Limits target_limits(const Parameters& parameters) {
   const ApproachParameters& reach = parameters.approach;
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin);
-  return {parameters.model.bodies, {reach.reach_min + margin, reach.reach_max - margin}};
+  return {parameters.model.bodies,
+          {reach.reach_min + margin, reach.reach_max - margin},
+          strategy_kind(parameters.strategy).goals_of_several};
 }
 
 std::string refusal(const Target& target, const task::Limits& limits) {

@@ -1,6 +1,7 @@
 #pragma once
-// A body is brought to a goal pose, or from one to the next: each is done when the body has stayed
-// within its tolerances for a time.
+// Bodies are brought to goal poses, or from one to the next. Goals of different bodies that follow
+// one another are due together, and a body's next goal comes after them. They are done when every
+// body has stayed within the tolerances of its goal for a time, those of earlier goals as well.
 #include "controller/task/source.hpp"
 #include "controller/task/task.hpp"
 
@@ -12,13 +13,13 @@ struct PoseGoal {
   double position_tolerance;  // [m]
   double angle_tolerance;     // [rad]
   double hold;                // it has to stay this long [s]
+  int body = 0;
 };
 
 struct Pose {
   static constexpr const char *kKind = "pose", *kUnit = "goals";
   static constexpr bool kRepeats = false;
 
-  int body = 0;
   std::vector<PoseGoal> goals;  // at least one
 
   static Pose load(Source& source);
@@ -27,18 +28,21 @@ struct Pose {
   /// Between the body's orientation and the goal's; 0 of a goal without one [rad].
   double angle_error(const PoseGoal& goal, const Placement& placed) const noexcept;
   bool reached(const PoseGoal& goal, const Placement& placed) const noexcept;
-  /// The goal that the state is at; the last one when all are done.
-  const PoseGoal& due(const State& state) const noexcept;
+  /// The goal of a body that the state is at, of those that are due or done; nullptr: none.
+  const PoseGoal* due(const State& state, int body) const noexcept;
   bool done(const State& state) const noexcept;
 
-  std::optional<Goal> goal(const State& state) const noexcept;
-  void advance(double elapsed, const Placement& placed, State& state) const noexcept;
+  std::optional<Goal> goal(const State& state, int body) const noexcept;
+  /// How many bodies a scene has to have.
+  int bodies() const noexcept;
+  /// @param placed at least bodies() of them, else nothing happens
+  void advance(double elapsed, const std::vector<Placement>& placed, State& state) const noexcept;
   void advance(double elapsed, const scene::Scene& scene, State& state) const noexcept;
-  /// Other bodies stay where they are.
+  /// Bodies without a goal stay where they are.
   Eigen::Vector2d target(const scene::Scene& scene, int of, const State& state) const noexcept;
   Eigen::Vector2d velocity(double, double) const noexcept { return Eigen::Vector2d::Zero(); }
-  /// Distance to the last goal.
-  double error(double, const Eigen::Vector2d& at) const noexcept;
+  /// Distance to the body's last goal; 0 of one without.
+  double error(double, const Eigen::Vector2d& at, int body) const noexcept;
   Eigen::Vector2d middle() const;
   /// From goal to goal.
   std::vector<Eigen::Vector2d> outline(const Eigen::AlignedBox2d& tracks) const;
@@ -52,6 +56,11 @@ struct Pose {
   }
   std::string refusal(const Limits& limits) const;
   std::string describe() const;
+
+ private:
+  std::size_t end_of_due(const State& state) const noexcept;
+  template <typename PlacementOf>
+  void advance_with(double elapsed, const PlacementOf& of, State& state) const noexcept;
 };
 
 }  // namespace c3rt::task

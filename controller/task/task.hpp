@@ -48,7 +48,6 @@ class Progress {
 
 /// Where a body is to come to rest.
 struct Goal {
-  int body;
   Eigen::Vector2d at;         // in W [m]
   std::optional<double> yaw;  // about z; none: however it is turned [rad]
   double position_tolerance;  // [m]
@@ -64,8 +63,9 @@ struct State {
 
 /// What a client's task has to keep.
 struct Limits {
-  int bodies;                 // of the scene
-  Eigen::AlignedBox2d reach;  // of every place that a body is to come to, in W [m]
+  int bodies;                     // of the scene
+  Eigen::AlignedBox2d reach;      // of every place that a body is to come to, in W [m]
+  bool goals_of_several = false;  // goals can be worked at where there are several bodies
   bool holds(const Eigen::Vector2d& at) const;
   /// "x in [0.37, 0.73] and y in [-0.28, 0.28] m", `inside` the border by so much.
   std::string words(double inside = 0.0) const;
@@ -110,8 +110,13 @@ class Task {
                          const State& state = {}) const noexcept {
     return held_->target(scene, body, elapsed, ahead, state);
   }
-  /// Where a body is to come to rest next, or for good; none of a task that goes on and on.
-  std::optional<Goal> goal(const State& state) const noexcept { return held_->goal(state); }
+  /// Where a body is to come to rest next, or for good; none of a task that goes on and on, or
+  /// that leaves the body alone.
+  std::optional<Goal> goal(const State& state, int body) const noexcept {
+    return held_->goal(state, body);
+  }
+  /// How many bodies there have to be.
+  int bodies() const noexcept { return held_->bodies(); }
   /// Whether all goals are done; never of a task without any.
   bool done(const State& state) const noexcept { return held_->done(state); }
   /// Keeps the state true. @param elapsed since the task began [s]
@@ -124,8 +129,8 @@ class Task {
   }
   /// How far a body is from where it should be [m]: of a task in time from the point of that time,
   /// of another one from its line.
-  double error(double elapsed, const Eigen::Vector2d& body) const noexcept {
-    return held_->error(elapsed, body);
+  double error(double elapsed, const Eigen::Vector2d& at, int body = 0) const noexcept {
+    return held_->error(elapsed, at, body);
   }
   /// A point about which the task takes place, in W [m].
   Eigen::Vector2d middle() const { return held_->middle(); }
@@ -162,11 +167,12 @@ class Task {
     virtual const char* unit() const noexcept = 0;
     virtual Eigen::Vector2d target(const scene::Scene&, int, double, double,
                                    const State&) const noexcept = 0;
-    virtual std::optional<Goal> goal(const State&) const noexcept = 0;
+    virtual std::optional<Goal> goal(const State&, int) const noexcept = 0;
+    virtual int bodies() const noexcept = 0;
     virtual bool done(const State&) const noexcept = 0;
     virtual void advance(double, const scene::Scene&, State&) const noexcept = 0;
     virtual Eigen::Vector2d velocity(double, double) const noexcept = 0;
-    virtual double error(double, const Eigen::Vector2d&) const noexcept = 0;
+    virtual double error(double, const Eigen::Vector2d&, int) const noexcept = 0;
     virtual Eigen::Vector2d middle() const = 0;
     virtual std::vector<Eigen::Vector2d> outline(const Eigen::AlignedBox2d&) const = 0;
     virtual std::unique_ptr<Progress> progress() const = 0;
@@ -196,9 +202,14 @@ class Task {
         return task.target(scene, body, elapsed, ahead);
       }
     }
-    std::optional<Goal> goal([[maybe_unused]] const State& state) const noexcept override {
-      if constexpr (HasGoals<Kind>::value) return task.goal(state);
+    std::optional<Goal> goal([[maybe_unused]] const State& state,
+                             [[maybe_unused]] int body) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) return task.goal(state, body);
       return std::nullopt;
+    }
+    int bodies() const noexcept override {
+      if constexpr (HasGoals<Kind>::value) return task.bodies();
+      return 1;
     }
     bool done([[maybe_unused]] const State& state) const noexcept override {
       if constexpr (HasGoals<Kind>::value) return task.done(state);
@@ -211,8 +222,13 @@ class Task {
     Eigen::Vector2d velocity(double elapsed, double ahead) const noexcept override {
       return task.velocity(elapsed, ahead);
     }
-    double error(double elapsed, const Eigen::Vector2d& body) const noexcept override {
-      return task.error(elapsed, body);
+    double error(double elapsed, const Eigen::Vector2d& at,
+                 [[maybe_unused]] int body) const noexcept override {
+      if constexpr (HasGoals<Kind>::value) {
+        return task.error(elapsed, at, body);
+      } else {
+        return task.error(elapsed, at);
+      }
     }
     Eigen::Vector2d middle() const override { return task.middle(); }
     std::vector<Eigen::Vector2d> outline(const Eigen::AlignedBox2d& tracks) const override {

@@ -1,7 +1,7 @@
-// Times the QP step, the projections, the LCS of objects and whole C3 solves, each beside the
-// paper's configuration in the same run (tests/bench/baseline.hpp): "speed-up" is the baseline's
-// time divided by ours. All is CPU time of one thread. Run: c3rt bench c3, or c3rt_bench_c3
-// --benchmark_repetitions=9
+// Times the QP step, the projections, the LCS of objects, places of the end effector and whole C3
+// solves, each beside the paper's configuration in the same run (tests/bench/baseline.hpp):
+// "speed-up" is the baseline's time divided by ours. All is CPU time of one thread. Run:
+// c3rt bench c3, or c3rt_bench_c3 --benchmark_repetitions=9
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +15,7 @@
 #include "controller/model/block_errors.hpp"
 #include "controller/model/objects_model.hpp"
 #include "tests/bench/baseline.hpp"
+#include "tests/bench/candidates.hpp"
 #include "tests/bench/problems.hpp"
 
 namespace {
@@ -319,6 +320,8 @@ void add_all() {
     add("lcs/" + std::to_string(objects) + "_t/stewart_trinkle", make_lcs,
         model::ContactModel::kStewartTrinkle, objects);
   }
+
+  bench::add_candidates();
 
   constexpr auto kMiqp = ProjectionKind::kMiqp, kLcp = ProjectionKind::kLcp,
                  kAdmm = ProjectionKind::kAdmm, kConvex = ProjectionKind::kConvex,

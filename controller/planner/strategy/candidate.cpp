@@ -39,8 +39,10 @@ void Candidate::set_costs(const c3::Costs& costs) {
   }
 }
 
-Worth Candidate::worth(const scene::Scene& from, const std::vector<scene::Scene>& desired) {
+Worth Candidate::worth(const c3::Costs& costs, const scene::Scene& from,
+                       const std::vector<scene::Scene>& desired) {
   Worth worth;
+  set_costs(costs);
   for (int k = 0; k <= N_; ++k) c3_.want(k, desired[static_cast<std::size_t>(k)], from);
   if (c3_.plan(from, costs_, {}) == StepStatus::kFailed) return worth;
   const c3::Solution& plan = *c3_.result().solution;

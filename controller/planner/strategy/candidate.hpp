@@ -25,14 +25,17 @@ class Candidate {
   /// effector
   Candidate(const Parameters& parameters, const ServoGains& servo);
 
-  void set_costs(const c3::Costs& costs);
+  /// @param costs by the bodies that the model has of `from`
   /// @param from the scene with the end effector at the place
   /// @param desired at stages 0 … N
-  Worth worth(const scene::Scene& from, const std::vector<scene::Scene>& desired);
+  Worth worth(const c3::Costs& costs, const scene::Scene& from,
+              const std::vector<scene::Scene>& desired);
 
   C3Controller& c3() noexcept { return c3_; }
 
  private:
+  void set_costs(const c3::Costs& costs);
+
   C3Controller c3_;
   int costs_ = -1;
   Eigen::VectorXd Q_;  // diagonal, of the objects alone

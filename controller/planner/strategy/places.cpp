@@ -19,24 +19,31 @@ Places::Places(const SamplingParameters& parameters)
 void Places::clear() noexcept {
   good_.clear();
   failed_.clear();
-  seen_.reset();
+  seen_.fill(std::nullopt);
 }
 
-void Places::look(const scene::Body& body) noexcept {
-  if (seen_) {
-    const Eigen::Quaterniond now = body.q_WB, then = seen_->q_WB;
-    if ((body.p_WB - seen_->p_WB).head<2>().norm() <= moved_ &&
-        now.angularDistance(then) <= turned_)
+void Places::forget(int body) noexcept {
+  const auto of_it = [&](const Place& place) { return place.body == body; };
+  good_.erase(std::remove_if(good_.begin(), good_.end(), of_it), good_.end());
+  failed_.erase(std::remove_if(failed_.begin(), failed_.end(), of_it), failed_.end());
+}
+
+void Places::look(int body, const scene::Body& now) noexcept {
+  std::optional<scene::Body>& seen = seen_[static_cast<std::size_t>(body)];
+  if (seen) {
+    const Eigen::Quaterniond q_now = now.q_WB, q_then = seen->q_WB;
+    if ((now.p_WB - seen->p_WB).head<2>().norm() <= moved_ &&
+        q_now.angularDistance(q_then) <= turned_)
       return;
   }
-  clear();
-  seen_ = body;
+  forget(body);
+  seen = now;
 }
 
 void Places::add(const Place& place) {
   if (place.worth.gain() <= 0.0) return;
-  for (const Eigen::Vector3d& failed : failed_) {
-    if ((failed - place.p_WE).norm() < kBesideFailed) return;
+  for (const Place& failed : failed_) {
+    if (failed.body == place.body && (failed.p_WE - place.p_WE).norm() < kBesideFailed) return;
   }
   if (good_.size() == kMost) {
     const auto worst = std::min_element(
@@ -48,22 +55,33 @@ void Places::add(const Place& place) {
   good_.push_back(place);
 }
 
-void Places::fail(const Eigen::Vector3d& p_WE) {
+void Places::fail(int body, const Eigen::Vector3d& p_WE) {
   if (failed_.size() == kMost) failed_.erase(failed_.begin());
-  failed_.push_back(p_WE);
-  good_.erase(std::remove_if(
-                  good_.begin(), good_.end(),
-                  [&](const Place& place) { return (place.p_WE - p_WE).norm() < kBesideFailed; }),
-              good_.end());
+  failed_.push_back({p_WE, {}, body});
+  const auto beside = [&](const Place& place) {
+    return place.body == body && (place.p_WE - p_WE).norm() < kBesideFailed;
+  };
+  good_.erase(std::remove_if(good_.begin(), good_.end(), beside), good_.end());
 }
 
-const Place* Places::best(const Eigen::Vector3d& from, double apart) const noexcept {
+template <typename Counts>
+const Place* Places::best_where(const Counts& counts) const noexcept {
   const Place* best = nullptr;
   for (const Place& place : good_) {
-    if ((place.p_WE - from).norm() < apart) continue;
+    if (!counts(place)) continue;
     if (best == nullptr || place.worth.gain() > best->worth.gain()) best = &place;
   }
   return best;
+}
+
+const Place* Places::best(const Eigen::Vector3d& from, double apart) const noexcept {
+  return best_where([&](const Place& place) { return (place.p_WE - from).norm() >= apart; });
+}
+
+const Place* Places::best_of(int body, const Eigen::Vector3d& from, double apart) const noexcept {
+  return best_where([&](const Place& place) {
+    return place.body == body && (place.p_WE - from).norm() >= apart;
+  });
 }
 
 bool worth_leaving(const SamplingParameters& parameters, const Worth& here,

@@ -1,6 +1,7 @@
 #pragma once
-// Places that were tried while a body lay still, the good and the failed ones, and when one of them
+// Places that were tried while bodies lay still, the good and the failed ones, and when one of them
 // is worth to leave another for.
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -13,30 +14,36 @@ namespace c3rt::planner {
 struct Place {
   Eigen::Vector3d p_WE;  // [m]
   Worth worth;
+  int body = 0;  // beside which it is
 };
 
 class Places {
  public:
   explicit Places(const SamplingParameters& parameters);
 
-  /// Forgets what was tried before the body moved, or was turned, too far for it to count.
-  void look(const scene::Body& body) noexcept;
+  /// Forgets what was tried beside a body before it moved, or was turned, too far for it to count.
+  void look(int body, const scene::Body& now) noexcept;
+  void forget(int body) noexcept;
   void clear() noexcept;
   /// Of many the best are kept. One beside a place that failed is not.
   void add(const Place& place);
   /// Nothing came of this one.
-  void fail(const Eigen::Vector3d& p_WE);
+  void fail(int body, const Eigen::Vector3d& p_WE);
 
   /// That with the most gain, farther than `apart` from where the end effector is; none if there is
   /// none with any gain.
   const Place* best(const Eigen::Vector3d& from, double apart) const noexcept;
+  /// The same of one body.
+  const Place* best_of(int body, const Eigen::Vector3d& from, double apart) const noexcept;
   int count() const noexcept { return static_cast<int>(good_.size()); }
 
  private:
+  template <typename Counts>
+  const Place* best_where(const Counts& counts) const noexcept;
+
   double moved_, turned_;
-  std::optional<scene::Body> seen_;
-  std::vector<Place> good_;
-  std::vector<Eigen::Vector3d> failed_;
+  std::array<std::optional<scene::Body>, scene::kMaxBodies> seen_;
+  std::vector<Place> good_, failed_;
 };
 
 /// Whether to leave a place for a better one: the one gains more than the other by a factor, and by

@@ -9,8 +9,9 @@
 namespace c3rt::planner {
 
 const std::vector<StrategyKind>& strategy_kinds() {
-  static const std::vector<StrategyKind> kinds{
-      {"time_heuristic", make_time_heuristic}, {"sampling", make_sampling}, {"hold", make_hold}};
+  static const std::vector<StrategyKind> kinds{{"time_heuristic", make_time_heuristic},
+                                               {"sampling", make_sampling, true},
+                                               {"hold", make_hold}};
   return kinds;
 }
 

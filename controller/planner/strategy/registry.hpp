@@ -11,6 +11,7 @@ namespace c3rt::planner {
 struct StrategyKind {
   std::string name;
   std::unique_ptr<Strategy> (*make)(const Parameters& parameters, C3Controller& c3);
+  bool goals_of_several = false;  // works at a task with goals where there are several bodies
 };
 
 const std::vector<StrategyKind>& strategy_kinds();

@@ -1,7 +1,10 @@
 #include "controller/planner/strategy/sampling.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <exception>
 
 #include "controller/base/random.hpp"
 #include "controller/planner/strategy/free_motion.hpp"
@@ -12,6 +15,8 @@
 namespace c3rt::planner {
 namespace {
 
+// what the plant draws from the same seed shall not be the same numbers
+constexpr std::uint64_t kStream = 0xA24BAED4963EE407;
 constexpr double kNear = 0.01, kMostGain = 30.0;  // of gain_near_goal(): [m²] where it begins
 constexpr double kRadian = 0.22;                  // a radian counts as this [m]
 constexpr double kThere = 0.5;                    // of the tolerances: it is moved no farther
@@ -45,7 +50,7 @@ struct State {
         places(parameters.sampling),
         headway(parameters.sampling.headway, parameters.sampling.headway_time),
         arrival(kArrivalPart, kArrivalTime),
-        random(parameters.sampling.seed) {}
+        random(parameters.sampling.seed ^ kStream) {}
   TaskAtHand task;
   FreeMotion way;
   Places places;
@@ -56,17 +61,21 @@ struct State {
   double since = 0.0;                                // of the stage [s]
   int drawn = 0;                                     // places, since it began to choose
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  // the place that it moves to [m]
-  Worth here, there;                                 // of this period
+  int body = 0;                                      // beside which that is; it is worked on
+  // within its tolerances since it was within a part of them
+  std::array<bool, scene::kMaxBodies> settled{};
+  Worth here, there;  // of this period
 };
 
 class Sampling final : public Strategy {
  public:
   Sampling(const Parameters& parameters, C3Controller& c3)
       : parameters_(parameters),
-        of_(parameters.sampling),
+        of_(parameters_.sampling),
         state_(parameters),
         weights_(of_.weights),
         costs_(c3.add_costs(costs_of(c3.problem(), weights_))) {
+    goals_.reserve(static_cast<std::size_t>(parameters.model.bodies));
     const Geometry& geometry = parameters.geometry;
     rules_.height = geometry.table_height + of_.height;
     rules_.clearance = of_.clearance;
@@ -80,6 +89,10 @@ class Sampling final : public Strategy {
       rooms_.back()->c3().start_from_free_gaps(kFree);
     }
     tried_.reserve(rooms_.size());
+    froms_.resize(rooms_.size());
+    costs_tried_.resize(rooms_.size());
+    failures_.resize(rooms_.size());
+    prepared_.reserve(rooms_.size() + 1);  // they stay where they are
     reset();
   }
 
@@ -93,15 +106,16 @@ class Sampling final : public Strategy {
     const Input& input = *now.input;
     State& s = state_;
     s.task.take(input.target);
-    const std::optional<task::Goal> goal = goal_of(now);
     const Stage before = s.stage;
-    const bool goes = ready(now, goal);
-    if (goes) {
-      want(now.scene, *goal, c3);
-      s.stage = next(now, *goal);
+    if (ready(now)) {
+      look(now.scene);
+      want(now.scene);
+      s.stage = next(now);
+      decision_.costs = costs_;
+      c3.replace_costs(costs_, costs_about(decision_.x_hat, c3));
     }
     decision_.body_lost = before == Stage::kPush && !now.available.all();
-    decision_.body = goal ? goal->body : 0;
+    decision_.body = s.body;
     decision_.cause = Cause::kNone;
     decision_.v_WE.setZero();
     const bool free = s.stage != Stage::kPush && s.stage != Stage::kWait;
@@ -136,7 +150,7 @@ class Sampling final : public Strategy {
       case Stage::kStand:
         decision_.mode = Mode::kTask;
         decision_.phase = "stand";
-        move(now, off(now.scene, goal->body));
+        move(now, off(now.scene));
         break;
       case Stage::kPush:
         decision_.mode = Mode::kTask;
@@ -148,88 +162,129 @@ class Sampling final : public Strategy {
   }
 
  private:
+  /// A goal that is due, with its body.
+  struct Due {
+    int body;
+    task::Goal goal;
+  };
+
   /// Whether it can go about its task; else the stage is one of those without a body.
-  bool ready(const Situation& now, const std::optional<task::Goal>& goal) {
+  bool ready(const Situation& now) {
     const Input& input = *now.input;
     State& s = state_;
     const bool asked = input.stopped || std::holds_alternative<HoldTarget>(input.target);
-    bool ready = now.available.state() && !asked && goal && now.available.all() && !now.robot_left;
+    find_goals(now);
+    bool ready = now.available.state() && !asked && !goals_.empty() && now.available.all() &&
+                 !now.robot_left;
     if (ready) {
       s.task.advance(input.now, now.scene);
       ready = !s.task.done();
+      find_goals(now);
     }
     if (!ready) s.stage = now.available.state() ? Stage::kHold : Stage::kWait;
     return ready;
   }
 
-  /// Where the body is to come to rest; of a task without goals where it should be next, which it
-  /// never reaches.
-  std::optional<task::Goal> goal_of(const Situation& now) const {
-    const TaskAtHand& task = state_.task;
-    if (auto goal = task.goal()) return goal;
-    if (now.scene.body_count == 0) return std::nullopt;
-    return task::Goal{0, task.target(now.scene, 0, now.input->now, 0.0), std::nullopt, 0.0, 0.0};
+  /// Of a task without goals where the first body should be next, which it never reaches.
+  void find_goals(const Situation& now) {
+    goals_.clear();
+    for (int i = 0; i < parameters_.model.bodies; ++i) {
+      const std::optional<task::Goal> goal = state_.task.goal(i);
+      if (goal) goals_.push_back({i, *goal});
+    }
+    if (goals_.empty() && now.scene.body_count > 0) {
+      const Eigen::Vector2d at = state_.task.target(now.scene, 0, now.input->now, 0.0);
+      goals_.push_back({0, {at, std::nullopt, 0.0, 0.0}});
+    }
+    const auto worked_on = [&](const Due& due) { return due.body == state_.body; };
+    if (!goals_.empty() && std::none_of(goals_.begin(), goals_.end(), worked_on))
+      state_.body = goals_.front().body;
   }
 
-  Stage next(const Situation& now, const task::Goal& goal) {
+  const task::Goal& goal_of(int body) const {
+    return std::find_if(goals_.begin(), goals_.end(),
+                        [&](const Due& due) { return due.body == body; })
+        ->goal;
+  }
+
+  /// What has settled at its goal, and which places still count.
+  void look(const scene::Scene& scene) {
+    State& s = state_;
+    work_.clear();
+    for (const auto& [i, goal] : goals_) {
+      const scene::Body& body = scene.body(i);
+      bool& settled = s.settled[static_cast<std::size_t>(i)];
+      settled = within(body, goal, settled ? 1.0 : kThere);
+      s.places.look(i, body);
+      if (settled) s.places.forget(i);
+      if (!settled) work_.push_back(i);
+    }
+    // all are, but for what only the task sees
+    if (work_.empty() && !s.task.reached()) {
+      for (const Due& due : goals_) work_.push_back(due.body);
+    }
+    rules_.top = top_of(scene) + scene.effector.radius + kAboveTop;
+  }
+
+  Stage next(const Situation& now) {
     const Input& input = *now.input;
     State& s = state_;
-    const scene::Body& body = now.scene.body(goal.body);
+    if (work_.empty()) return Stage::kStand;
     const Eigen::Vector3d& p_WE = input.effector.p_WE;
-    const double left = left_of(body, goal);
-    s.places.look(body);
-    rules_.top = top_of(now.scene) + now.scene.effector.radius + kAboveTop;
-    if (s.task.reached() && (s.stage == Stage::kStand || nearly(body, goal))) return Stage::kStand;
+    const double left = left_of(now.scene.body(s.body), goal_of(s.body));
+    const bool works = s.stage == Stage::kMove || s.stage == Stage::kPush;
+    if (works && std::find(work_.begin(), work_.end(), s.body) == work_.end()) return choose();
     switch (s.stage) {
       case Stage::kWait:
       case Stage::kHold:
       case Stage::kStand:
         return choose();
       case Stage::kChoose: {
-        draw(now, goal.body, of_.samples_to_choose, nullptr);
+        draw(now, work_, of_.samples_to_choose, nullptr);
         const Place* best = s.places.best(p_WE, 0.0);
-        if (s.drawn < of_.least_drawn) return Stage::kChoose;
+        if (s.drawn < of_.least_drawn * static_cast<int>(work_.size())) return Stage::kChoose;
         if (best == nullptr) return choose();
-        return move_to(best->p_WE, now);
+        return move_to(*best, now);
       }
       case Stage::kMove: {
         // what rolls takes the place with it, and the way there
-        Eigen::Vector3d carried = now.period * decision_.x_hat.body(goal.body).v_WB;
+        Eigen::Vector3d carried = now.period * decision_.x_hat.body(s.body).v_WB;
         carried.z() = 0.0;
         s.target += carried;
         s.way.carry(carried);
-        draw(now, goal.body, of_.samples, &s.target);
-        const Place* best = s.places.best(s.target, kApart);
-        if (best != nullptr && best->worth.cost < of_.retarget * s.there.cost)
-          move_to(best->p_WE, now);
+        draw(now, {s.body}, of_.samples, &s.target);
+        const Place* best = s.places.best_of(s.body, s.target, kApart);
+        if (best != nullptr && best->worth.cost < of_.retarget * s.there.cost) move_to(*best, now);
         const double away = (p_WE - s.target).norm();
         if (!s.way.there() || away > parameters_.approach.tolerance) {
           if (s.arrival.made(input.now, away)) return Stage::kMove;
-          s.places.fail(s.target);
+          s.places.fail(s.body, s.target);
           return choose();
         }
         s.headway.begin(input.now, left);
         return Stage::kPush;
       }
       case Stage::kPush: {
-        draw(now, goal.body, of_.samples, &p_WE);
+        // one body is finished before another, as a way between them takes time
+        draw(now, {s.body}, of_.samples, &p_WE);
         const bool made = s.headway.made(input.now, left);
-        if (!made) s.places.fail(p_WE);
-        const Place* best = s.places.best(p_WE, kApart);
-        if (!made && best == nullptr) return choose();
+        if (!made) s.places.fail(s.body, p_WE);
+        const Place* best = s.places.best_of(s.body, p_WE, kApart);
+        if (!made && (best == nullptr || work_.size() > 1)) return choose();
         const bool leaves = !made || (input.now - s.since >= of_.least_time && best != nullptr &&
                                       worth_leaving(of_, s.here, best->worth));
         if (!leaves) return Stage::kPush;
-        return move_to(best->p_WE, now);
+        return move_to(*best, now);
       }
     }
     return Stage::kHold;
   }
 
-  Stage move_to(const Eigen::Vector3d& place, const Situation& now) {
+  Stage move_to(const Place& place, const Situation& now) {
     const Input& input = *now.input;
-    state_.target = place;
-    state_.arrival.begin(input.now, (input.effector.p_WE - place).norm());
+    state_.target = place.p_WE;
+    state_.body = place.body;
+    state_.arrival.begin(input.now, (input.effector.p_WE - place.p_WE).norm());
     return Stage::kMove;
   }
 
@@ -243,79 +298,138 @@ class Sampling final : public Strategy {
     return (goal.at - body.p_WB.head<2>()).squaredNorm() + turn * turn;
   }
 
-  bool nearly(const scene::Body& body, const task::Goal& goal) const {
-    return (goal.at - body.p_WB.head<2>()).norm() < kThere * goal.position_tolerance &&
-           std::abs(yaw_to(body, goal)) < kThere * goal.angle_tolerance;
+  bool within(const scene::Body& body, const task::Goal& goal, double part) const {
+    return (goal.at - body.p_WB.head<2>()).norm() < part * goal.position_tolerance &&
+           std::abs(yaw_to(body, goal)) < part * goal.angle_tolerance;
   }
 
-  /// Algorithm 3, step 1, and what is wanted at each stage: no farther than can be looked ahead.
-  void want(const scene::Scene& scene, const task::Goal& goal, C3Controller& c3) {
+  /// The part of a way that can be looked ahead.
+  double ahead(const Eigen::Vector2d& way) const {
+    return std::min(1.0, of_.look_ahead / std::max(way.norm(), 1e-9));
+  }
+
+  /// Algorithm 3, step 1, and what is wanted at each stage: no body farther than can be looked
+  /// ahead, and one without a goal where it is.
+  void want(const scene::Scene& scene) {
     decision_.x_hat = scene;
-    scene::Body& body = decision_.x_hat.body(goal.body);
-    // what lies on the table moves no farther than it is pushed; its measured velocity is noise
-    if (!rolls(body)) {
+    for (int i = 0; i < scene.body_count; ++i) {
+      scene::Body& body = decision_.x_hat.body(i);
+      if (rolls(body)) continue;
+      // what lies on the table moves no farther than it is pushed; its measured velocity is noise
       body.v_WB.setZero();
       body.omega_WB.setZero();
     }
-    const Eigen::Vector2d way = goal.at - body.p_WB.head<2>();
-    const double turn = yaw_to(body, goal);
     wanted_ = decision_.x_hat;
-    scene::Body& there = wanted_.body(goal.body);
-    const double ahead = std::min(1.0, of_.look_ahead / std::max(way.norm(), 1e-9));
-    there.p_WB.head<2>() += ahead * way;
-    const double turned = std::clamp(turn, -of_.look_ahead_angle, of_.look_ahead_angle);
-    const Eigen::AngleAxisd about_z(turned, Eigen::Vector3d::UnitZ());
-    there.q_WB = Eigen::Quaterniond(about_z) * Eigen::Quaterniond(body.q_WB);
+    gains_.fill(1.0);
+    prepared_.clear();
+    for (const auto& [i, goal] : goals_) {
+      const scene::Body& body = decision_.x_hat.body(i);
+      const Eigen::Vector2d way = goal.at - body.p_WB.head<2>();
+      const double turn = yaw_to(body, goal);
+      scene::Body& there = wanted_.body(i);
+      there.p_WB.head<2>() += ahead(way) * way;
+      const double turned = std::clamp(turn, -of_.look_ahead_angle, of_.look_ahead_angle);
+      const Eigen::AngleAxisd about_z(turned, Eigen::Vector3d::UnitZ());
+      there.q_WB = Eigen::Quaterniond(about_z) * Eigen::Quaterniond(body.q_WB);
+      gains_[static_cast<std::size_t>(i)] = gain_near_goal(way.norm(), turn);
+      if (i == state_.body) decision_.body_target << goal.at, body.p_WB.z();
+    }
     wanted_.effector.p_WE.z() = rules_.height;
     wanted_.effector.v_WE.setZero();
     std::fill(decision_.desired.begin(), decision_.desired.end(), wanted_);
-    if (rolls(body)) {
-      const Eigen::Vector2d step = ahead / parameters_.N * way;
+    for (const Due& due : goals_) {
+      const scene::Body& body = decision_.x_hat.body(due.body);
+      if (!rolls(body)) continue;
+      const Eigen::Vector2d way = due.goal.at - body.p_WB.head<2>();
+      const Eigen::Vector2d step = ahead(way) / parameters_.N * way;
       for (int k = 0; k <= parameters_.N; ++k) {
-        scene::Body& rolling = decision_.desired[static_cast<std::size_t>(k)].body(goal.body);
+        scene::Body& rolling = decision_.desired[static_cast<std::size_t>(k)].body(due.body);
         rolling.p_WB.head<2>() = body.p_WB.head<2>() + k * step;
         rolling.v_WB << step / parameters_.dt, 0.0;
       }
     }
-    decision_.body_target << goal.at, body.p_WB.z();
-
-    const model::Layout& layout = c3.model().layout();
-    const double gain = gain_near_goal(way.norm(), turn);
-    for (const auto& [name, values] : of_.weights.Q) {
-      std::vector<double>& now = weights_.Q[name];
-      const bool of_body = layout.bodies(name).front() >= 0;
-      for (std::size_t i = 0; i < values.size(); ++i) now[i] = (of_body ? gain : 1.0) * values[i];
-    }
-    const c3::Costs costs = costs_of(c3.problem(), weights_);
-    c3.replace_costs(costs_, costs);
-    for (const auto& room : rooms_) room->set_costs(costs);
-    decision_.costs = costs_;
   }
 
-  /// Draws so many places, and looks what they are worth; and what another one is: where the end
-  /// effector is, or where it goes.
-  void draw(const Situation& now, int body, int count, const Eigen::Vector3d* other) {
+  /// Of this period, with more weight on a body that is near its goal.
+  const c3::Costs& costs_about(const scene::Scene& scene, const C3Controller& c3) {
+    const model::PlanningModel& model = c3.model();
+    const model::Layout& layout = model.layout();
+    std::array<int, scene::kMaxBodies> bodies{};
+    for (const model::StateBlock& block : layout.x) {
+      if (block.body >= 0)
+        bodies[static_cast<std::size_t>(block.body)] = model.body(block.body, scene);
+    }
+    for (const auto& [of, costs] : prepared_) {
+      if (of == bodies) return costs;
+    }
+    for (const auto& [name, values] : of_.weights.Q) {
+      std::vector<double>& now = weights_.Q[name];
+      now.clear();
+      for (const int i : layout.bodies(name)) {
+        if (i < 0) {
+          now = values;
+          break;
+        }
+        const auto of = static_cast<std::size_t>(i);
+        const auto body = static_cast<std::size_t>(bodies[of]);
+        now.push_back(gains_[body] * values.at(values.size() == 1 ? 0 : of));
+      }
+    }
+    prepared_.push_back({bodies, costs_of(c3.problem(), weights_)});
+    return prepared_.back().second;
+  }
+
+  /// Draws so many places beside these bodies in turn, and looks what they are worth; and what
+  /// another one is: where the end effector is, or where it goes.
+  void draw(const Situation& now, const std::vector<int>& bodies, int count,
+            const Eigen::Vector3d* other) {
     State& s = state_;
     tried_.clear();
-    if (other != nullptr) tried_.push_back({*other, {}});
-    for (int i = 0; i < count; ++i) {
+    if (other != nullptr) tried_.push_back({*other, {}, s.body});
+    for (int i = 0; i < count; ++i, ++s.drawn) {
+      const int body = bodies[static_cast<std::size_t>(s.drawn) % bodies.size()];
       const auto place = surface_sample(now.scene, body, rules_, s.random);
-      if (place) tried_.push_back({*place, {}});
+      if (place) tried_.push_back({*place, {}, body});
     }
-    s.drawn += count;
     for (std::size_t i = 0; i < tried_.size(); ++i) {
-      scene::Scene from = decision_.x_hat;
+      scene::Scene& from = froms_[i];
+      from = decision_.x_hat;
       const bool stays = other == &now.input->effector.p_WE && i == 0;
       if (!stays) {
         from.effector.p_WE = tried_[i].p_WE;
         from.effector.v_WE.setZero();
       }
-      tried_[i].worth = rooms_[i]->worth(from, decision_.desired);
+      costs_tried_[i] = &costs_about(from, rooms_[i]->c3());
     }
+    try_all(now.parallel);
     const std::size_t first = other == nullptr ? 0 : 1;
     if (other == &now.input->effector.p_WE) s.here = tried_[0].worth;
     if (other == &s.target) s.there = tried_[0].worth;
     for (std::size_t i = first; i < tried_.size(); ++i) s.places.add(tried_[i]);
+  }
+
+  /// What is drawn is worth, each in a room of its own: the same whatever thread does it.
+  void try_all(const c3::Parallel& parallel) {
+    const auto count = static_cast<int>(tried_.size());
+    const auto one = [](void* context, int index, int) noexcept {
+      auto& self = *static_cast<Sampling*>(context);
+      const auto i = static_cast<std::size_t>(index);
+      self.failures_[i] = nullptr;
+      try {
+        self.tried_[i].worth =
+            self.rooms_[i]->worth(*self.costs_tried_[i], self.froms_[i], self.decision_.desired);
+      } catch (...) {
+        self.failures_[i] = std::current_exception();
+      }
+    };
+    if (parallel.run != nullptr) {
+      parallel.run(parallel.pool, count, one, this);
+    } else {
+      for (int i = 0; i < count; ++i) one(this, i, 0);
+    }
+    for (std::size_t i = 0; i < tried_.size(); ++i) {
+      if (failures_[i]) std::rethrow_exception(failures_[i]);
+    }
   }
 
   void move(const Situation& now, const Eigen::Vector3d& goal) {
@@ -329,15 +443,14 @@ class Sampling final : public Strategy {
     decision_.v_WE = state_.way.velocity();
   }
 
-  /// Beside the body that is at its goal.
-  Eigen::Vector3d off(const scene::Scene& scene, int body) const {
-    scene::Effector effector = scene.effector;
-    effector.p_WE = state_.way.reference();
-    const scene::Gap gap = scene::gap(effector, scene.body(body));
-    if (gap.distance >= kOff) return effector.p_WE;
+  /// Beside the bodies that are at their goals.
+  Eigen::Vector3d off(const scene::Scene& scene) const {
+    const Eigen::Vector3d& p_WE = state_.way.reference();
+    const scene::Gap gap = nearest_gap(scene, p_WE);
+    if (gap.distance >= kOff) return p_WE;
     Eigen::Vector3d out(gap.normal.x(), gap.normal.y(), 0.0);
-    if (out.norm() < 0.1) return effector.p_WE;
-    return effector.p_WE + (kOff - gap.distance) * out.normalized();
+    if (out.norm() < 0.1) return p_WE;
+    return p_WE + (kOff - gap.distance) * out.normalized();
   }
 
   const Parameters parameters_;
@@ -348,7 +461,16 @@ class Sampling final : public Strategy {
   SampleRules rules_{};
   std::vector<std::unique_ptr<Candidate>> rooms_;
   std::vector<Place> tried_;
+  std::vector<scene::Scene> froms_;            // of each that is tried: with the end effector there
+  std::vector<const c3::Costs*> costs_tried_;  // and by what it is judged
+  std::vector<std::exception_ptr> failures_;
+  // of this period: goals that are due, bodies that have to be moved, what is wanted of all
+  std::vector<Due> goals_;
+  std::vector<int> work_;
   scene::Scene wanted_;
+  std::array<double, scene::kMaxBodies> gains_{};
+  // costs by the bodies that the model has
+  std::vector<std::pair<std::array<int, scene::kMaxBodies>, c3::Costs>> prepared_;
   Decision decision_;
 };
 

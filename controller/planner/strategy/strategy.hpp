@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "controller/c3/parallel.hpp"
 #include "controller/planner/availability.hpp"
 #include "controller/planner/c3_controller.hpp"
 #include "controller/planner/input.hpp"
@@ -19,6 +20,7 @@ struct Situation {
   bool robot_left;         // the robot has not followed for a while: the same
   Availability available;  // what of the input can be used
   scene::Scene scene;      // at the time of the arm's state
+  c3::Parallel parallel;   // threads for plans of several places
 };
 
 /// What it decides. Of a period in which nothing about a member is decided it stays as it was.

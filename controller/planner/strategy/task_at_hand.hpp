@@ -37,10 +37,10 @@ class TaskAtHand {
   bool clients() const { return clients_.has_value(); }
   /// Since it began; 0 before [s].
   double elapsed(double now) const { return at_hand().since < 0.0 ? 0.0 : now - at_hand().since; }
-  std::optional<task::Goal> goal() const { return task().goal(at_hand().state); }
+  std::optional<task::Goal> goal(int body) const { return task().goal(at_hand().state, body); }
   /// Every goal of a task that has some.
   bool done() const { return task().done(at_hand().state); }
-  /// The goal is, for now.
+  /// The goals that are due are, for now.
   bool reached() const { return !std::isnan(at_hand().state.reached_since); }
   Eigen::Vector2d target(const scene::Scene& scene, int body, double now, double ahead) const {
     return task().target(scene, body, elapsed(now), ahead, at_hand().state);

@@ -122,10 +122,8 @@ const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   if (known.spheres_at_hand && !stopping &&
       (state_.mode == TimeHeuristicMode::kWait || state_.mode == TimeHeuristicMode::kHold ||
        cycle_ended)) {
-    const std::optional<task::Goal> goal = state_.task.goal();
-    state_.sphere = goal ? goal->body
-                         : sphere_to_work_on(parameters_.heuristic, state_.task.task(), now.scene,
-                                             state_.sphere);
+    state_.sphere =
+        sphere_to_work_on(parameters_.heuristic, state_.task.task(), now.scene, state_.sphere);
   }
   known.other_sphere = was_in_c3 && state_.sphere != worked;
   decide_rest(now, known);
@@ -266,7 +264,7 @@ RestInput TimeHeuristic::rest_input(const Situation& now) const {
 }
 
 std::optional<Eigen::Vector2d> TimeHeuristic::resting_place(const Input& input) const {
-  const std::optional<task::Goal> goal = state_.task.goal();
+  const std::optional<task::Goal> goal = state_.task.goal(state_.sphere);
   if (!goal || std::holds_alternative<HoldTarget>(input.target)) return std::nullopt;
   return goal->at;
 }
@@ -380,7 +378,7 @@ Eigen::Vector2d TimeHeuristic::target(const Input& input, double ahead, const sc
                                       int sphere) const {
   const Eigen::Vector2d at = scene.body(sphere).p_WB.head<2>();
   const double reach = parameters_.heuristic.target_reach;
-  const bool near = state_.task.clients() || state_.task.goal();
+  const bool near = state_.task.clients() || state_.task.goal(sphere);
   return paced(at, state_.task.target(scene, sphere, input.now, ahead),
                near ? std::min(reach, kTargetPace) : reach);
 }

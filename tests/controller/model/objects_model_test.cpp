@@ -345,6 +345,62 @@ TEST_CASE("objects: at rest they lie still, and sliding they slow down by mu g")
   }
 }
 
+TEST_CASE("objects: of many the one that is nearest and its neighbour are the model of these two") {
+  const std::vector<scene::Object> all{object("t"), object("box"), object("l"), object("h")};
+  ObjectsParameters p = parameters(all);
+  p.closest = 2;
+  const auto model = make_objects_model(p);
+  CHECK(model->layout().n_x == 30);
+  CHECK(model->layout().world.body_count == 4);
+  scene::Scene scene = model->layout().world;
+  const Vector3d at[] = {{0.5, 0.2, 0.0}, {0.5, -0.2, 0.0}, {0.7, 0.15, 0.0}, {0.65, -0.2, 0.0}};
+  for (int i = 0; i < 4; ++i) {
+    scene.body(i).p_WB = at[i];
+    scene.body(i).q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * i, Vector3d::UnitZ()));
+    scene.body(i).v_WB = Vector3d(0.1, 0.0, 0.01 * i);
+  }
+  struct Case {
+    Vector3d p_WE;
+    int first, second;
+  };
+  for (const Case& c : {Case{{0.65, 0.15, 0.0}, 0, 2}, Case{{0.4, -0.2, 0.0}, 1, 3},
+                        Case{{0.75, -0.2, 0.0}, 1, 3}}) {
+    CAPTURE(c.p_WE.transpose());
+    scene.effector.p_WE = c.p_WE;
+    CHECK(model->body(0, scene) == c.first);
+    CHECK(model->body(1, scene) == c.second);
+    const auto of = [&](int i) { return all[static_cast<std::size_t>(i)]; };
+    const auto two = make_objects_model(parameters({of(c.first), of(c.second)}));
+    scene::Scene pair = two->layout().world;
+    pair.effector = scene.effector;
+    for (const int i : {0, 1}) {
+      const scene::Shape shape = pair.body(i).shape;
+      pair.body(i) = scene.body(i == 0 ? c.first : c.second);
+      pair.body(i).shape = shape;
+    }
+    VectorXd x(30), x_two(30);
+    model->state(scene, x);
+    two->state(pair, x_two);
+    CHECK(x == x_two);
+    REQUIRE(model->layout().n_c() == two->layout().n_c());
+    const ContactSystem a = model->contact_system(scene, all_contacts(model->layout()));
+    const ContactSystem b = two->contact_system(pair, all_contacts(two->layout()));
+    CHECK(a.phi == b.phi);
+    CHECK(a.J_n == b.J_n);
+    CHECK(a.J_t == b.J_t);
+    CHECK(a.M_inverse == b.M_inverse);
+    CHECK(a.d_v == b.d_v);
+    // what is wanted is that of the same two, wherever the end effector is wanted
+    scene::Scene wanted = scene;
+    wanted.effector.p_WE = -c.p_WE;
+    wanted.body(c.second).p_WB.x() += 0.1;
+    model->state_about(wanted, scene, x_two);
+    CHECK(x_two[L::position(1)] == Approx(scene.body(c.second).p_WB.x() + 0.1));
+  }
+  p.closest = 5;
+  CHECK_THROWS_WITH(make_objects_model(p), Catch::Contains("4 of them or fewer"));
+}
+
 TEST_CASE("objects: contact system and LCS need no heap after the first") {
   for (const auto& model : models()) {
     const std::vector<int> all = all_contacts(model->layout());

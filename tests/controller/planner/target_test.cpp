@@ -132,6 +132,24 @@ TEST_CASE("target: a goal, a way-point and a line are within reach") {
   CHECK_THAT(refusal(line(-0.2), limits(3)), Contains("expected a line and places past its end"));
 }
 
+TEST_CASE("target: a pose of one of several bodies, or of each, where the strategy can do that") {
+  const Target several = load_target({"pose",
+                                      {{"goals_m", {0.5, 0.0, 0.6, 0.1}, ""},
+                                       {"object", {2, 0}, ""},
+                                       {"position_tolerance_m", {0.01}, ""},
+                                       {"hold_s", {1.0}, ""}}});
+  Parameters parameters{};
+  parameters.model.bodies = 3;
+  parameters.approach.reach_min = {0.35, -0.3};
+  parameters.approach.reach_max = {0.75, 0.3};
+  CHECK_THAT(refusal(several, target_limits(parameters)), Contains("3 bodies"));
+  parameters.strategy = "sampling";
+  CHECK(refusal(several, target_limits(parameters)).empty());
+  CHECK(refusal(pose(0.5, 0.0), target_limits(parameters)).empty());
+  parameters.model.bodies = 2;
+  CHECK(refusal(several, target_limits(parameters)) == "expected objects of 0 to 1, got 2");
+}
+
 TEST_CASE("target: circles, paths and poses are for one ball") {
   for (const Target& target : {circle_target(0.55, 0.0, 0.1, 20.0), pose(0.55, 0.0)})
     CHECK_THAT(refusal(target, limits(3)), Contains("3 bodies"));

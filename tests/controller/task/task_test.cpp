@@ -231,7 +231,7 @@ TEST_CASE("progress: rounds of a path by its clock, bodies of a line that have a
 namespace {
 /// Two goals for the first of two bodies: across, then turned by a quarter.
 const Pose kPoses{
-    0, {{{0.6, 0.0}, std::nullopt, 0.01, 3.15, 0.5}, {{0.6, 0.1}, M_PI / 2, 0.01, 0.1, 0.5}}};
+    {{{0.6, 0.0}, std::nullopt, 0.01, 3.15, 0.5}, {{0.6, 0.1}, M_PI / 2, 0.01, 0.1, 0.5}}};
 
 Placement turned(double x, double y, double yaw) {
   return {Vector2d(x, y), Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()))};
@@ -241,7 +241,7 @@ Placement turned(double x, double y, double yaw) {
 TEST_CASE("pose: a goal is done when the body has stayed within its tolerances for the time") {
   State state;
   const auto at = [&](double time, const Placement& body) {
-    kPoses.advance(time, body, state);
+    kPoses.advance(time, {body}, state);
     return state.goal;
   };
   CHECK(at(0.0, {0.5, 0.0}) == 0);
@@ -250,18 +250,18 @@ TEST_CASE("pose: a goal is done when the body has stayed within its tolerances f
   CHECK(at(1.45, {0.58, 0.0}) == 0);  // it was there, but has left
   CHECK(at(1.5, {0.605, 0.0}) == 0);
   CHECK(at(1.99, {0.605, 0.0}) == 0);
-  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.0));
+  CHECK(kPoses.goal(state, 0)->at == Vector2d(0.6, 0.0));
   CHECK(at(2.0, {0.605, 0.0}) == 1);  // half a second since it came back
-  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.1));
-  CHECK(*kPoses.goal(state)->yaw == M_PI / 2);
+  CHECK(kPoses.goal(state, 0)->at == Vector2d(0.6, 0.1));
+  CHECK(*kPoses.goal(state, 0)->yaw == M_PI / 2);
   // the place alone is not enough for the second
   CHECK(at(3.0, turned(0.6, 0.1, 1.4)) == 1);
   CHECK(at(4.0, turned(0.6, 0.1, 1.4)) == 1);
   CHECK(at(5.0, turned(0.6, 0.1, 1.5)) == 1);
   CHECK(at(5.5, turned(0.6, 0.1, 1.5)) == 2);
   CHECK(kPoses.done(state));
-  CHECK(kPoses.goal(state)->at == Vector2d(0.6, 0.1));  // where it is kept
-  CHECK(at(9.0, {0.0, 0.0}) == 2);                      // for good
+  CHECK(kPoses.goal(state, 0)->at == Vector2d(0.6, 0.1));  // where it is kept
+  CHECK(at(9.0, {0.0, 0.0}) == 2);                         // for good
 }
 
 TEST_CASE("pose: an angle error is the smallest turn, and any tilt counts") {
@@ -299,8 +299,65 @@ TEST_CASE("pose: by value the task keeps its state beside it, and other bodies s
     State untouched;
     other.advance(1.0, scene, untouched);
     CHECK(untouched.goal == 0);
-    CHECK_FALSE(other.goal(untouched));
+    CHECK_FALSE(other.goal(untouched, 0));
   }
+}
+
+TEST_CASE("pose: goals of several bodies are done when all are there at the same time") {
+  const PoseGoal first{{0.5, 0.1}, std::nullopt, 0.01, 3.15, 0.5, 0},
+      second{{0.6, -0.1}, 0.3, 0.01, 0.1, 1.0, 1}, then{{0.5, 0.2}, std::nullopt, 0.01, 3.15, 0, 0};
+  const Pose both{{first, second, then}};
+  CHECK(both.bodies() == 2);
+  State state;
+  const auto at = [&](double time, const Placement& a, const Placement& b) {
+    both.advance(time, {a, b}, state);
+    return state.goal;
+  };
+  const Placement home(0.5, 0.1), away(0.5, 0.0), later(0.5, 0.2);
+  CHECK(at(0.0, home, turned(0.6, -0.1, 0.0)) == 0);
+  CHECK(at(9.0, home, turned(0.6, -0.1, 0.0)) == 0);  // the second is not
+  CHECK(both.goal(state, 0)->at == Vector2d(0.5, 0.1));
+  CHECK(*both.goal(state, 1)->yaw == 0.3);
+  CHECK_FALSE(both.goal(state, 2));
+  CHECK(at(10.0, home, turned(0.6, -0.1, 0.3)) == 0);
+  CHECK(at(10.9, away, turned(0.6, -0.1, 0.3)) == 0);  // the first has left
+  CHECK(at(11.0, home, turned(0.6, -0.1, 0.3)) == 0);
+  CHECK(at(11.9, home, turned(0.6, -0.1, 0.3)) == 0);  // the longer one of their times counts
+  CHECK(at(12.0, home, turned(0.6, -0.1, 0.3)) == 2);
+  // the next one of a body leaves the other's as it is
+  CHECK(both.goal(state, 0)->at == Vector2d(0.5, 0.2));
+  CHECK(both.goal(state, 1)->at == Vector2d(0.6, -0.1));
+  CHECK(at(13.0, later, turned(0.6, 0.0, 0.3)) == 2);
+  CHECK(at(14.0, later, turned(0.6, -0.1, 0.3)) == 2);
+  CHECK(at(15.0, later, turned(0.6, -0.1, 0.3)) == 3);
+  CHECK(both.done(state));
+  CHECK(both.error(0.0, {0.5, 0.3}, 0) == Approx(0.1));
+  CHECK(both.error(0.0, {0.6, 0.0}, 1) == Approx(0.1));
+  CHECK(both.error(0.0, {0.6, 0.0}, 2) == 0.0);
+  // one that a scene has not is not waited for in vain: nothing is done
+  State alone;
+  both.advance(0.0, {home}, alone);
+  CHECK(std::isnan(alone.reached_since));
+}
+
+TEST_CASE("progress: of goals of several bodies it tells the worst, and when all were there") {
+  const auto progress = Task(Pose{{{{0.5, 0.1}, std::nullopt, 0.01, 3.15, 1.0, 0},
+                                   {{0.6, -0.1}, 0.0, 0.01, 0.1, 1.0, 1}}})
+                            .progress();
+  const auto result = [&](std::size_t i) { return progress->results()[i].second; };
+  progress->add(0.0, {turned(0.5, 0.1, 0.0), turned(0.6, 0.0, 0.2)});
+  CHECK(result(2) == Approx(0.1));
+  CHECK(result(3) == Approx(0.2));
+  CHECK(std::isnan(progress->judged_from()));
+  progress->add(2.0, {turned(0.5, 0.106, 0.0), turned(0.6, -0.1, 0.05)});
+  CHECK(progress->judged_from() == 2.0);
+  CHECK(progress->completed() == 0);
+  progress->add(3.0, {turned(0.5, 0.106, 0.0), turned(0.6, -0.1, 0.05)});
+  CHECK(progress->completed() == 1);
+  CHECK(progress->times() == std::vector<double>{3.0});
+  CHECK(result(0) == 2.0);
+  CHECK(result(2) == Approx(0.006));
+  CHECK(result(3) == Approx(0.05));
 }
 
 TEST_CASE("progress: of poses it counts goals that are done, and tells the last one's errors") {

@@ -43,9 +43,8 @@ TEST_CASE("candidate: its cost is that of the objects as the end effector tries 
   Candidate candidate(p, p.sampling.servo);
   const model::PlanningModel& model = candidate.c3().model();
   const c3::Costs costs = costs_of(candidate.c3().problem(), p.sampling.weights);
-  candidate.set_costs(costs);
   const scene::Scene from = scene_of(model, {-0.08, 0.01, 0.0}), wanted = wanted_of(from);
-  const Worth worth = candidate.worth(from, stages(p, wanted));
+  const Worth worth = candidate.worth(costs, from, stages(p, wanted));
   REQUIRE(worth.known);
 
   // step by step, the servo's force found by fixed-point iteration on the system as it is
@@ -91,10 +90,10 @@ TEST_CASE("candidate: its cost is that of the objects as the end effector tries 
 TEST_CASE("candidate: behind the object is worth more than beside it, and before it nothing") {
   const Parameters p = parameters();
   Candidate candidate(p, p.sampling.servo);
-  candidate.set_costs(costs_of(candidate.c3().problem(), p.sampling.weights));
+  const c3::Costs costs = costs_of(candidate.c3().problem(), p.sampling.weights);
   const auto gain = [&](const Vector3d& beside) {
     const scene::Scene from = scene_of(candidate.c3().model(), beside);
-    return candidate.worth(from, stages(p, wanted_of(from))).gain();
+    return candidate.worth(costs, from, stages(p, wanted_of(from))).gain();
   };
   const double behind = gain({-0.08, 0.0, 0.0});
   CHECK(behind > 0.0);
@@ -106,7 +105,7 @@ TEST_CASE("candidate: behind the object is worth more than beside it, and before
 TEST_CASE("candidate: a body that moves goes on alone where it is not touched") {
   const Parameters p = parameters();
   Candidate candidate(p, p.sampling.servo);
-  candidate.set_costs(costs_of(candidate.c3().problem(), p.sampling.weights));
+  const c3::Costs costs = costs_of(candidate.c3().problem(), p.sampling.weights);
   scene::Scene from = scene_of(candidate.c3().model(), {-0.3, 0.0, 0.0});
   from.body(0).v_WB.x() = 0.04;
   const scene::Scene wanted = wanted_of(from);
@@ -115,5 +114,5 @@ TEST_CASE("candidate: a body that moves goes on alone where it is not touched") 
     const double left = 0.1 - 0.04 * k * p.dt;
     still += p.sampling.weights.Q.at("box_xy").front() * left * left;
   }
-  CHECK(candidate.worth(from, stages(p, wanted)).still == Approx(still));
+  CHECK(candidate.worth(costs, from, stages(p, wanted)).still == Approx(still));
 }

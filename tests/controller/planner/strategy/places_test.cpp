@@ -23,7 +23,7 @@ Worth worth(double gain) { return {true, 1.0 - gain, 1.0}; }
 
 TEST_CASE("places: the one with the most gain is the best, where it is another one") {
   Places places(parameters());
-  places.look({});
+  places.look(0, {});
   places.add({Vector3d(0.1, 0, 0), worth(0.3)});
   places.add({Vector3d(0.2, 0, 0), worth(0.5)});
   places.add({Vector3d(0.3, 0, 0), worth(0.4)});
@@ -38,41 +38,64 @@ TEST_CASE("places: the one with the most gain is the best, where it is another o
 TEST_CASE("places: they count until the body has moved or turned") {
   Places places(parameters());
   scene::Body body;
-  places.look(body);
+  places.look(0, body);
   places.add({Vector3d(0.1, 0, 0), worth(0.3)});
   body.p_WB.x() = 0.0039;
-  places.look(body);
+  places.look(0, body);
   CHECK(places.count() == 1);
   body.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(0.039, Vector3d::UnitZ()));
-  places.look(body);
+  places.look(0, body);
   CHECK(places.count() == 1);
   body.p_WB.x() = 0.0041;
-  places.look(body);
+  places.look(0, body);
   CHECK(places.count() == 0);
   places.add({Vector3d(0.1, 0, 0), worth(0.3)});
   body.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(0.08, Vector3d::UnitZ()));
-  places.look(body);
+  places.look(0, body);
   CHECK(places.count() == 0);
 }
 
 TEST_CASE("places: one that failed is forgotten with its neighbours, until the body has moved") {
   Places places(parameters());
   scene::Body body;
-  places.look(body);
+  places.look(0, body);
   places.add({Vector3d(0.1, 0, 0), worth(0.5)});
   places.add({Vector3d(0.2, 0, 0), worth(0.3)});
-  places.fail({0.105, 0, 0});
+  places.fail(0, {0.105, 0, 0});
   places.add({Vector3d(0.11, 0, 0), worth(0.6)});
   CHECK(places.best(Vector3d::Zero(), 0.0)->p_WE.x() == 0.2);
   body.p_WB.x() = 0.01;
-  places.look(body);
+  places.look(0, body);
   places.add({Vector3d(0.11, 0, 0), worth(0.6)});
   CHECK(places.best(Vector3d::Zero(), 0.0)->p_WE.x() == 0.11);
 }
 
+TEST_CASE("places: a body that moves takes only its own along") {
+  Places places(parameters());
+  scene::Body body, other;
+  places.look(0, body);
+  places.look(1, other);
+  places.add({Vector3d(0.1, 0, 0), worth(0.5), 0});
+  places.add({Vector3d(0.2, 0, 0), worth(0.3), 1});
+  places.fail(1, {0.3, 0, 0});
+  body.p_WB.x() = 0.01;
+  places.look(0, body);
+  places.look(1, other);
+  CHECK(places.count() == 1);
+  CHECK(places.best(Vector3d::Zero(), 0.0)->body == 1);
+  CHECK(places.best_of(0, Vector3d::Zero(), 0.0) == nullptr);
+  places.add({Vector3d(0.3, 0, 0), worth(0.9), 1});  // failed, and that body lies where it did
+  places.add({Vector3d(0.3, 0, 0), worth(0.8), 0});
+  CHECK(places.best(Vector3d::Zero(), 0.0)->body == 0);
+  CHECK(places.best_of(1, Vector3d::Zero(), 0.0)->p_WE.x() == 0.2);
+  places.forget(1);
+  CHECK(places.best_of(1, Vector3d::Zero(), 0.0) == nullptr);
+  CHECK(places.count() == 1);
+}
+
 TEST_CASE("places: of many the best are kept") {
   Places places(parameters());
-  places.look({});
+  places.look(0, {});
   for (int i = 0; i < 500; ++i)
     places.add({Vector3d(0.01 * i, 0, 0), worth(0.001 * ((i * 37) % 500) + 1e-6)});
   CHECK(places.count() <= 64);
