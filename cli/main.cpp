@@ -5,6 +5,7 @@
 #include <cstring>
 #include <exception>
 #include <functional>
+#include <iostream>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@
 #include "cli/look.hpp"
 #include "cli/object_add.hpp"
 #include "cli/paths.hpp"
+#include "cli/plan.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
 #include "cli/scenario.hpp"
@@ -375,7 +377,9 @@ class CommandLine {
     reproduce->add_flag("--fresh", reproduce_.fresh,
                         "Computes everything anew; else what an earlier call finished with the "
                         "same settings is kept");
-    reproduce->add_option("--seeds", reproduce_.seeds, "Of comparison and push_anything: 1..20, or 1,5,9..12")
+    reproduce
+        ->add_option("--seeds", reproduce_.seeds,
+                     "Of comparison and push_anything: 1..20, or 1,5,9..12")
         ->capture_default_str();
     reproduce
         ->add_option("--miqp-limit", reproduce_.miqp_limit,
@@ -400,6 +404,15 @@ class CommandLine {
                          "Name of a scenario, or a path to its file; none: lists those there are");
     scenario
         ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
+        ->expected(1)
+        ->take_all();
+    CLI::App* plan =
+        command(app_, "plan",
+                "The planner for a simulator of your own: a scene a line in, a plan a line out",
+                [this] { return cli::plan(scenario_, overrides_, std::cin, std::cout); });
+    plan->add_option("scenario", scenario_, "Name of a scenario, or a path to its file")
+        ->required();
+    plan->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
         ->expected(1)
         ->take_all();
     add_lcs();

@@ -260,6 +260,8 @@ class ObjectsModel final : public PlanningModel {
     system.M_inverse.block<3, 3>(r, r) = inverse_inertia;
     system.J_f_q.block<3, 3>(r, r) = by_omega * cross_matrix(omega) - cross_matrix(f);
     system.J_f_v.block<3, 3>(r, r) = by_omega;
+    system.J_f_v.diagonal().segment<3>(p).array() -= parameters_.damping;
+    system.J_f_v.diagonal().segment<3>(r).array() -= parameters_.damping;
     system.d_v[p + 2] = -kGravity;
     system.d_v.segment<3>(r) = f - by_omega * omega;
   }
@@ -374,6 +376,8 @@ ModelKind mjcf_kind() {
   friction_objects.missing = 0.3;
   ModelKey mass_scale{"mass_scale", 0.01, 100}, size_scale{"size_scale", 0.5, 2};
   mass_scale.missing = size_scale.missing = 1.0;
+  ModelKey damping{"damping_per_s", 0, 1000};
+  damping.missing = 0.0;
   return {"mjcf",
           1,
           kMostObjects,
@@ -388,7 +392,8 @@ ModelKind mjcf_kind() {
            with_effector,
            closest,
            mass_scale,
-           size_scale},
+           size_scale,
+           damping},
           [](const ModelValues& of, int) {
             std::vector<scene::Object> planned;
             for (const scene::Object& each : of.objects())
@@ -397,7 +402,7 @@ ModelKind mjcf_kind() {
                 {of["end_effector_mass_kg"], of["end_effector_radius_m"], of["table_height_m"],
                  of["friction_end_effector"], of["friction_table"], of["friction_objects"],
                  static_cast<int>(of["support_points"]), of["end_effector_contacts"] == 1.0,
-                 std::move(planned), static_cast<int>(of["closest_objects"])});
+                 std::move(planned), static_cast<int>(of["closest_objects"]), of["damping_per_s"]});
           },
           "",
           ""};

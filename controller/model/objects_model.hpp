@@ -23,6 +23,9 @@ struct ObjectsParameters {
   // Of those so many are in the model, 0: all. The one that is nearest to the end effector, and
   // those whose centres of mass are nearest to its; the others stay where they are.
   int closest = 0;
+  // of the objects' motion: with 1/Δt they forget from step to step how they moved, and move only
+  // as far as they are pushed [1/s]
+  double damping = 0.0;
 };
 
 /// x = [q; v], q = [p_WE; p_WB, θ of each object], v = [v_WE; v_WB, ω_WB of each], u = force on the

@@ -279,6 +279,8 @@ SamplingParameters load_sampling(config::Section sampling, double effector_radiu
   parameters.acceleration = sampling.number("acceleration_m_per_s2", {0.1, 20});
   parameters.clear = sampling.number("clear_m", {0, 0.1});
   if (sampling.has("threads")) parameters.threads = sampling.integer("threads", {1, 64});
+  if (sampling.has("way"))
+    parameters.over = sampling.choice<bool>("way", {{"over", true}, {"beside", false}});
   config::Section servo = sampling.section("servo");
   parameters.servo.stiffness = servo.number("stiffness_n_per_m", {0, 1e5});
   parameters.servo.damping = servo.number("damping_n_s_per_m", {0, 1e4});

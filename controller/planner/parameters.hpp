@@ -97,6 +97,7 @@ struct SamplingParameters {
   double speed = 0.0;                            // between places [m/s]
   double acceleration = 0.0;                     // [m/s²]
   double clear = 0.0;                            // from bodies on the way [m]
+  bool over = true;                              // bodies, else beside them
   ServoGains servo{};
   std::uint64_t seed = 1;  // the run's
   int threads = 1;         // that places are tried by; what comes of it is the same

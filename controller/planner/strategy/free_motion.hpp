@@ -1,6 +1,8 @@
 #pragma once
 // The end effector's way between the places where it pushes, past all bodies.
-#include <Eigen/Core>
+#include <limits>
+
+#include <Eigen/Geometry>
 
 #include "controller/planner/strategy/approach.hpp"
 #include "controller/scene/scene.hpp"
@@ -12,6 +14,10 @@ struct FreeMotionParameters {
   double acceleration;  // of the reference [m/s²]
   double clear;         // from every body, on the way [m]
   double leash;         // the reference waits for an arm that is farther behind than this [m]
+  bool over = true;     // bodies are passed above, else beside
+  // and then the end effector stays within this, in W [m]
+  Eigen::AlignedBox2d reach = {Eigen::Vector2d::Constant(-std::numeric_limits<double>::max()),
+                               Eigen::Vector2d::Constant(std::numeric_limits<double>::max())};
 };
 
 /// Whether the end effector keeps clear of all bodies on a straight line. Where it begins nearer,
@@ -24,6 +30,17 @@ bool line_is_free(const scene::Scene& scene, const Eigen::Vector3d& from, const 
 /// @param safe height in W [m]
 Eigen::Vector3d next_corner(const scene::Scene& scene, const Eigen::Vector3d& from,
                             const Eigen::Vector3d& goal, double safe, double clear) noexcept;
+
+/// Of a way: where it goes in a straight line, and how long all of it is.
+struct Leg {
+  Eigen::Vector3d corner;
+  double left;  // [m]
+};
+
+/// The shortest way to the goal, on its height, past all bodies and within reach; where there is
+/// none: off the nearest body, or nowhere.
+Leg next_leg_beside(const scene::Scene& scene, const Eigen::Vector3d& from,
+                    const Eigen::Vector3d& goal, const FreeMotionParameters& parameters) noexcept;
 
 /// A reference whose velocity has no jumps, from corner to corner. While the robot does not follow
 /// it rests where the arm is, and it waits for one that stays behind.
@@ -39,13 +56,17 @@ class FreeMotion {
   void step(const ApproachInput& input, const scene::Scene& scene, const Eigen::Vector3d& goal,
             double safe) noexcept;
 
-  bool there() const noexcept { return there_; }  // the reference is at the goal, at rest
+  bool there() const noexcept { return there_; }      // the reference is at the goal, at rest
+  bool blocked() const noexcept { return blocked_; }  // there is no way beside the bodies
   const Eigen::Vector3d& reference() const noexcept { return reference_; }  // in W [m]
   const Eigen::Vector3d& velocity() const noexcept { return velocity_; }    // of it [m/s]
 
  private:
+  void advance(double period, const scene::Scene& scene, const Eigen::Vector3d& goal,
+               double safe) noexcept;
+
   FreeMotionParameters parameters_;
-  bool there_ = false;
+  bool there_ = false, blocked_ = false;
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
 };
 

@@ -39,7 +39,9 @@ bool rolls(const scene::Body& body) { return body.shape.kind == scene::ShapeKind
 
 FreeMotionParameters free_motion_of(const Parameters& parameters) {
   const SamplingParameters& sampling = parameters.sampling;
-  return {sampling.speed, sampling.acceleration, sampling.clear, parameters.approach.leash};
+  return {sampling.speed, sampling.acceleration,
+          sampling.clear, parameters.approach.leash,
+          sampling.over,  {sampling.reach_min, sampling.reach_max}};
 }
 
 /// All that the strategy remembers from period to period.
@@ -131,10 +133,14 @@ class Sampling final : public Strategy {
         break;
       case Stage::kHold: {
         decision_.mode = Mode::kHold;
-        decision_.cause = s.task.done() ? Cause::kAtTarget : Cause::kAsked;
+        if (s.task.done()) {
+          decision_.cause = Cause::kAtTarget;
+        } else if (std::holds_alternative<HoldTarget>(input.target)) {
+          decision_.cause = Cause::kAsked;
+        }
         const Eigen::Vector3d& at = s.way.reference();
         const double up = parameters_.geometry.table_height + parameters_.approach.safe_height;
-        move(now, {at.x(), at.y(), std::max(up, at.z())});
+        move(now, {at.x(), at.y(), of_.over ? std::max(up, at.z()) : at.z()});
         break;
       }
       case Stage::kChoose:
@@ -223,7 +229,7 @@ class Sampling final : public Strategy {
     if (work_.empty() && !s.task.reached()) {
       for (const Due& due : goals_) work_.push_back(due.body);
     }
-    rules_.top = top_of(scene) + scene.effector.radius + kAboveTop;
+    rules_.top = of_.over ? top_of(scene) + scene.effector.radius + kAboveTop : rules_.height;
   }
 
   Stage next(const Situation& now) {
@@ -257,10 +263,12 @@ class Sampling final : public Strategy {
         if (best != nullptr && best->worth.cost < of_.retarget * s.there.cost) move_to(*best, now);
         const double away = (p_WE - s.target).norm();
         if (!s.way.there() || away > parameters_.approach.tolerance) {
-          if (s.arrival.made(input.now, away)) return Stage::kMove;
+          if (!s.way.blocked() && s.arrival.made(input.now, away)) return Stage::kMove;
           s.places.fail(s.body, s.target);
-          return choose();
+          const bool wedged = s.way.blocked() && nearest_gap(now.scene, p_WE).distance < of_.clear;
+          if (!wedged) return choose();
         }
+        // also where it is wedged: what it touches has to move
         s.headway.begin(input.now, left);
         return Stage::kPush;
       }

@@ -315,6 +315,42 @@ TEST_CASE("objects: every block of the LCS is that of the step, to the rank that
   }
 }
 
+TEST_CASE(
+    "objects: with a damping of 1/step they move only as they are pushed, as far as least energy") {
+  // without friction and gravity's part: v = M^-1 J_n' lambda with J_n v = that of the end effector
+  const double step = 0.05;
+  ObjectsParameters p = parameters({object("t")});
+  p.friction_end_effector = p.friction_table = 0.0;
+  p.damping = 1.0 / step;
+  const auto model = make_objects_model(p);
+  scene::Scene scene = model->layout().world;
+  scene.body(0).p_WB << 0.5, 0.0,
+      kTableHeight + scene::reach(scene.body(0).shape, -Vector3d::UnitZ());
+  scene.body(0).v_WB << 0.3, -0.2, 0.0;
+  scene.body(0).omega_WB << 0.0, 0.0, 2.0;
+  scene.effector.p_WE = scene.body(0).p_WB + Vector3d(-0.15, 0.03, 0.0);
+  const scene::Gap gap = scene::gap(scene.effector, scene.body(0));
+  scene.effector.p_WE -= gap.distance * gap.normal;
+  for (const Vector3d& v_WE : {Vector3d(0.0, 0.0, 0.0), Vector3d(0.1, 0.02, 0.0)}) {
+    scene.effector.v_WE = v_WE;
+    const ContactSystem contacts = model->contact_system(scene, all_contacts(model->layout()));
+    const lcs::Lcs system = stewart_trinkle(contacts, step);
+    lcs::Lemke lemke(static_cast<int>(system.F.rows()));
+    VectorXd next(model->layout().n_x), lambda(lemke.size());
+    REQUIRE(lcs::step(system, state(*model, scene), Vector3d::Zero(), lemke, next, lambda).ok());
+    const auto v = next.tail(model->layout().n_v);
+    const Vector3d normal = contacts.J_n.row(0).head<3>().transpose();
+    // the end effector of 1 kg meets the object with its speed along the normal; after it both have
+    // one speed there, by the mass that each of them has at the contact
+    const Eigen::VectorXd of_object = contacts.J_n.row(0).segment(3, 6).transpose();
+    const double give = of_object.dot(contacts.M_inverse.block<6, 6>(3, 3) * of_object);
+    const double impulse = std::max(0.0, -normal.dot(v_WE)) / (1.0 + give);
+    const Eigen::VectorXd expected = contacts.M_inverse.block<6, 6>(3, 3) * of_object * impulse;
+    CHECK((v.segment<2>(3) - expected.head<2>()).norm() < 1e-9);
+    CHECK(v[8] == Approx(expected[5]).margin(1e-9));
+  }
+}
+
 TEST_CASE("objects: at rest they lie still, and sliding they slow down by mu g") {
   for (const char* name : {"t", "box"}) {
     const auto model = make_objects_model(parameters({object(name)}));

@@ -148,3 +148,65 @@ TEST_CASE("free motion: a place that a body carries along is reached, and kept")
   }
   CHECK(there > 100);
 }
+
+TEST_CASE("free motion: beside a body it stays on its height, clear of it, by a short way") {
+  const scene::Scene scene = scene_of_box();
+  FreeMotionParameters parameters = kParameters;
+  parameters.over = false;
+  for (const double period : {kPeriod, 0.1}) {
+    for (double from = 0.0; from < 6.2; from += 0.7) {
+      for (double to = 0.3; to < 6.2; to += 0.9) {
+        CAPTURE(period, from, to);
+        const Vector3d start = beside(scene, from, 0.0), goal = beside(scene, to, 0.01);
+        FreeMotion way(parameters);
+        way.begin(start, Vector3d::Zero());
+        double came_away = 0.0, length = 0.0;
+        Vector3d at = start;
+        int periods = 0;
+        for (; periods < 500 && !way.there(); ++periods) {
+          way.step({periods * period, period, at, true}, scene, goal, kSafe);
+          length += (way.reference() - at).norm();
+          CHECK((way.reference() - at).norm() <= 0.3 * period + 1e-9);
+          at = way.reference();
+          came_away = std::max(came_away, gap_at(scene, at));
+          CHECK(gap_at(scene, at) > std::min(kClear, came_away) - 2e-3);
+          CHECK(at.z() == Approx(goal.z()));
+          CHECK_FALSE(way.blocked());
+        }
+        CHECK(way.there());
+        CHECK((at - goal).norm() < 1e-9);
+        // half round the rounded box is 2 (0.05 + 0.04) + pi (radius + clear) at most
+        CHECK(length < 2.0 * 0.09 + M_PI * (kTip + kClear) + 0.02);
+        CHECK(periods * period < 2.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("free motion: beside two bodies between them where there is room, else round both") {
+  scene::Scene scene = scene_of_box();
+  scene.body_count = 2;
+  FreeMotionParameters parameters = kParameters;
+  parameters.over = false;
+  const Vector3d from(0.4, 0.0, 0.03), to(0.6, 0.0, 0.03);
+  for (const double room : {0.06, 0.03}) {  // the end effector needs 0.051
+    CAPTURE(room);
+    for (int i = 0; i < 2; ++i) {
+      scene.body(i).shape = scene::Shape::box({0.02, 0.05, 0.03});
+      scene.body(i).p_WB = {0.5, (i == 0 ? 1.0 : -1.0) * (0.05 + 0.5 * room), 0.03};
+      scene.body(i).q_WB = Eigen::Quaterniond::Identity();
+    }
+    const bool through = room > 0.051;
+    const Leg leg = next_leg_beside(scene, from, to, parameters);
+    CHECK(leg.left < (through ? 0.2001 : 0.4));
+    CHECK(leg.left > (through ? 0.1999 : 0.3));
+    // with no room beside them either there is no way, and it says so
+    parameters.reach = {Eigen::Vector2d(0.3, -0.1), Eigen::Vector2d(0.7, 0.1)};
+    FreeMotion way(parameters);
+    way.begin(from, Vector3d::Zero());
+    way.step({0.0, kPeriod, from, true}, scene, to, kSafe);
+    CHECK(way.blocked() == !through);
+    CHECK((way.reference() == from) == !through);
+    parameters.reach = FreeMotionParameters{}.reach;
+  }
+}
