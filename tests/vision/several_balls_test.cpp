@@ -86,9 +86,12 @@ Outcome follow(const Course& course, double duration, ObjectColours colours, dou
       pose.X_WB.emplace_back(Eigen::Isometry3d::Identity());
       pose.X_WB.back().translation() = on_table(now.balls[i]);
       const Estimate& estimate = estimators[i].estimate();
-      predictions.push_back(
-          estimate.seen ? Prediction{estimators[i].predict(pose.exposure_ns), estimate.valid}
-                        : Prediction{on_table(start.balls[i]), true});
+      Prediction prediction{on_table(start.balls[i]), true};
+      if (estimate.seen) {
+        prediction.p_WB = estimators[i].predict(pose.exposure_ns);
+        prediction.known = estimate.valid;
+      }
+      predictions.push_back(prediction);
     }
     rig.expose(pose);
     const std::vector<Sighting>& seen = tracker.observe(pose.exposure_ns, predictions);

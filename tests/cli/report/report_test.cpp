@@ -46,7 +46,7 @@ TEST_CASE("the report has exactly the keys that other programs read") {
   REQUIRE(keys(json["impedance"]) ==
           Names{"rate_hz", "wakeup_latency_s", "compute_s", "missed_cycles", "stale_plan_events"});
   REQUIRE(keys(json["vision"]) ==
-          Names{"rate_hz", "error_m", "dropped_frames", "cameras_used_mean"});
+          Names{"rate_hz", "error_m", "angle_error_rad", "dropped_frames", "cameras_used_mean"});
   REQUIRE(keys(json["latency"]) ==
           Names{"state_to_command_s", "exposure_to_plan_s", "exposure_to_torque_s"});
   REQUIRE(keys(json["plant"]) == Names{"real_time_factor", "reflexes", "success_rate_min"});
