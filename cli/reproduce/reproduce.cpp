@@ -21,7 +21,7 @@ const std::map<std::string, void (*)(const Context&)> kTargets{{"comparison", co
                                                                {"fig5", fig5},
                                                                {"fig7", fig7},
                                                                {"fig8", fig8},
-{"push_anything", push_anything},
+                                                               {"push_anything", push_anything},
                                                                {"table1", table1},
                                                                {"table2", table2},
                                                                {"table3", table3}};
