@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "controller/model/cross_matrix.hpp"
+
 namespace c3rt::model {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr int kVelocityEndEffector = 0, kVelocityOmega = 3, kVelocityBall = 6, k
 
 Eigen::Vector3d from_ball(const scene::Scene& scene) {
   return scene.effector.p_WE - scene.body(0).p_WB;
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d result;
-  result << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return result;
 }
 
 /// One contact: the map from v to the velocity of its first body relative to the second.

@@ -34,6 +34,13 @@ Isometry3d pose(double x, double y, double yaw) {
   return X;
 }
 
+/// The T's own tags and one more.
+PrintedTags printed_with(const scene::Tag& more, const Isometry3d& X_WB) {
+  PrintedTags all = printed(top_of_t(), X_WB);
+  all.push_back(printed({more}, X_WB)[0]);
+  return all;
+}
+
 Prediction expect(const Isometry3d& X_WB) {
   return {X_WB.translation(), true, Eigen::Quaterniond(X_WB.linear())};
 }
@@ -141,9 +148,7 @@ TEST_CASE("tags: one camera and two tags of it are enough, nothing is not") {
 TEST_CASE("tags: an unknown id is counted, told once, and moves nothing") {
   Table table;
   const Isometry3d X_WB = pose(0.55, 0.05, 0.0);
-  PrintedTags all = printed(top_of_t(), X_WB);
-  all.push_back(printed({tag(41, 0.05, -0.05)}, X_WB)[0]);
-  table.show(all);
+  table.show(printed_with(tag(41, 0.05, -0.05), X_WB));
   for (int k = 0; k < 3; ++k) CHECK(off(table.look({expect(X_WB)})[0].fit, X_WB) < 2e-4);
   CHECK(table.tracker->counts().unknown == 9);
   const auto notices = table.tracker->take_notices();
@@ -154,9 +159,7 @@ TEST_CASE("tags: an unknown id is counted, told once, and moves nothing") {
 TEST_CASE("tags: an id that is in an image twice is not used there") {
   Table table;
   const Isometry3d X_WB = pose(0.55, 0.05, 0.0);
-  PrintedTags all = printed(top_of_t(), X_WB);
-  all.push_back(printed({tag(3, 0.06, -0.05)}, X_WB)[0]);
-  table.show(all);
+  table.show(printed_with(tag(3, 0.06, -0.05), X_WB));
   const TagSighting& seen = table.look({expect(X_WB)})[0];
   CHECK(off(seen.fit, X_WB) < 2e-4);
   CHECK(seen.fit.views_used == 18);
