@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "config/robot.hpp"
+#include "config/text.hpp"
 #include "controller/impedance/load_parameters.hpp"
 #include "controller/planner/load_parameters.hpp"
 #include "controller/task/registry.hpp"
@@ -78,12 +78,6 @@ std::vector<Criterion> load_criteria(std::vector<Section> sections, const task::
     criteria.push_back(criterion);
   }
   return criteria;
-}
-
-std::string text_of(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 /// Cameras know spheres by their outline and other objects by their tags.

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "config/directory.hpp"
 #include "config/extends.hpp"
+#include "config/text.hpp"
 #include "config/tree.hpp"
 
 namespace c3rt::config {
@@ -27,14 +27,8 @@ struct Section::Node {
 
 namespace {
 
-std::string shortened(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
-
 std::string range_text(Range allowed) {
-  return "[" + shortened(allowed.min) + ", " + shortened(allowed.max) + "]";
+  return "[" + text_of(allowed.min) + ", " + text_of(allowed.max) + "]";
 }
 
 // YAML reads 1e-3 but not every number that a person writes; std::stod with a full match is the

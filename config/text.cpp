@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 namespace c3rt::config {
 namespace {
@@ -53,6 +54,12 @@ bool is_name(const std::string& text) {
            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                   c == '_' || c == '-';
          });
+}
+
+std::string text_of(double value) {
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
 }
 
 }  // namespace c3rt::config

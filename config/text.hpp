@@ -12,4 +12,7 @@ std::string printable(const std::string& text, std::size_t longest = 200);
 /// Letters, digits, _ and -, 1 to 64 of them: safe as the name of a folder.
 bool is_name(const std::string& text);
 
+/// As short as a stream writes it: "0.005".
+std::string text_of(double value);
+
 }  // namespace c3rt::config
