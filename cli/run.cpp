@@ -125,7 +125,7 @@ std::vector<std::string> reflex_names(std::uint64_t bits) {
 int run(const LaunchSettings& settings) {
   Launch launch(settings);
   const config::Scenario& scenario = launch.scenario();
-  const task::Task& task = scenario.task.motion;
+  const task::Task task = scenario.task.motion.seeded(settings.seed);
   std::vector<Limit> limits;
   for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
 

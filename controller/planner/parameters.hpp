@@ -153,6 +153,7 @@ struct Parameters {
 /// The same for a run: whatever is drawn follows its seed.
 inline Parameters seeded(Parameters parameters, std::uint64_t seed) {
   parameters.sampling.seed = seed;
+  parameters.task = parameters.task.seeded(seed);
   return parameters;
 }
 

@@ -88,7 +88,9 @@ void Service::take_targets(std::int64_t now_ns) {
 
 std::string Service::take_target(const wire::TaskTarget& sample) {
   try {
-    const Target target = load_target(wire::request(sample));
+    Target target = load_target(wire::request(sample));
+    if (auto* task = std::get_if<task::Task>(&target))
+      *task = task->seeded(parameters_.sampling.seed);
     std::string refused = refusal(target, limits_);
     if (refused.empty()) in_.target = target;
     return refused;

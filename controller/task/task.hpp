@@ -1,5 +1,6 @@
 #pragma once
 // What the bodies are to do, whatever kind of task it is.
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -46,12 +47,23 @@ class Progress {
   virtual std::vector<std::pair<std::string, double>> results() const { return {}; }
 };
 
+/// An axis of a body and where it is to point; how the body is turned about it does not matter.
+struct AxisGoal {
+  Eigen::Vector3d of_body;  // in the body's frame, of length 1
+  Eigen::Vector3d to;       // in W, of length 1
+};
+
 /// Where a body is to come to rest.
 struct Goal {
-  Eigen::Vector2d at;         // in W [m]
-  std::optional<double> yaw;  // about z; none: however it is turned [rad]
-  double position_tolerance;  // [m]
-  double angle_tolerance;     // [rad]
+  Eigen::Vector2d at;                           // in W [m]
+  std::optional<double> yaw;                    // about z; none: however it is turned [rad]
+  double position_tolerance;                    // [m]
+  double angle_tolerance;                       // [rad]
+  std::optional<AxisGoal> axis = std::nullopt;  // in the place of a yaw
+
+  /// The turn about z that brings a body's orientation nearest to the goal's; 0 where none does
+  /// anything [rad].
+  double turn_about_z(const scene::Body& body) const noexcept;
 };
 
 /// What a task of several goals remembers. Whoever follows a task keeps it beside it; State{} is
@@ -59,6 +71,8 @@ struct Goal {
 struct State {
   int goal = 0;                  // the first that is not done yet
   double reached_since = kNone;  // it has been reached; kNone: it is not [s]
+  double since = kNone;          // its time runs; kNone: the task has not begun [s]
+  int missed = 0;                // of those before it: not reached in their time
 };
 
 /// What a client's task has to keep.
@@ -157,6 +171,12 @@ class Task {
   std::string refusal(const Limits& limits) const { return held_->refusal(limits); }
   /// "circle about (0.55, 0) m, radius 0.1 m, lead 20 deg"
   std::string describe() const { return held_->describe(); }
+  /// The same for a run: what is drawn follows its seed. A task that draws nothing is itself.
+  Task seeded(std::uint64_t seed) const {
+    Task task = *this;
+    if (std::shared_ptr<const Concept> drawn = held_->seeded(seed)) task.held_ = std::move(drawn);
+    return task;
+  }
   /// Whether both are copies of one: a task that was given again is another.
   bool is(const Task& other) const noexcept { return held_ == other.held_; }
 
@@ -183,7 +203,13 @@ class Task {
     virtual std::vector<std::string> criteria() const = 0;
     virtual std::string refusal(const Limits&) const = 0;
     virtual std::string describe() const = 0;
+    virtual std::shared_ptr<const Concept> seeded(std::uint64_t) const = 0;
   };
+  // a kind that draws nothing has no word about a seed
+  template <typename Kind, typename = void>
+  struct Draws : std::false_type {};
+  template <typename Kind>
+  struct Draws<Kind, std::void_t<decltype(&Kind::seeded)>> : std::true_type {};
   // a kind without goals has no state and no word about them
   template <typename Kind, typename = void>
   struct HasGoals : std::false_type {};
@@ -246,6 +272,10 @@ class Task {
     std::vector<std::string> criteria() const override { return Kind::criteria(); }
     std::string refusal(const Limits& limits) const override { return task.refusal(limits); }
     std::string describe() const override { return task.describe(); }
+    std::shared_ptr<const Concept> seeded([[maybe_unused]] std::uint64_t seed) const override {
+      if constexpr (Draws<Kind>::value) return std::make_shared<const Held>(task.seeded(seed));
+      return nullptr;
+    }
     Kind task;
   };
 

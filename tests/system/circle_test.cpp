@@ -179,3 +179,22 @@ TEST_CASE("system: a box goes through plant, vision and planner to its goal pose
   // it began centimetres away, and turned by 2.5 rad
   CHECK(pushed.report.at("objects").at(0).at("max_error_m").get<double>() > 0.03);
 }
+
+TEST_CASE("system: goals drawn from the seed are the same ones for planner and report") {
+  const auto some = [](const std::string& seed) {
+    return run("endurance_t_" + seed,
+               {"endurance_t", "--seed", seed, "--set", "task.random_goals=3", "--set",
+                "criteria.0.min=3", "--duration", "60"});
+  };
+  for (const std::string seed : {"2", "3"}) {
+    CAPTURE(seed);
+    const Run done = some(seed);
+    CHECK(done.status == 0);
+    const json& task = done.report.at("task");
+    CHECK(task.at("goals_reached") == 3);
+    CHECK(task.at("goals_missed") == 0);
+    // one that was reached took longer than it has to stay
+    CHECK(task.at("goal_time_median_s").get<double>() > 1.0);
+    CHECK(task.at("goal_time_longest_s").get<double>() < task.at("goal_time_s").get<double>());
+  }
+}

@@ -30,10 +30,6 @@ constexpr double kArrivalPart = 0.02, kArrivalTime = 3.0;
 
 enum class Stage { kWait, kHold, kChoose, kMove, kPush, kStand };
 
-double yaw_to(const scene::Body& body, const task::Goal& goal) {
-  return goal.yaw ? std::remainder(*goal.yaw - scene::yaw(body), 2.0 * M_PI) : 0.0;
-}
-
 /// It goes on by itself, where others lie still.
 bool rolls(const scene::Body& body) { return body.shape.kind == scene::ShapeKind::kSphere; }
 
@@ -183,9 +179,14 @@ class Sampling final : public Strategy {
     bool ready = now.available.state() && !asked && !goals_.empty() && now.available.all() &&
                  !now.robot_left;
     if (ready) {
+      const int behind = s.task.goals_behind();
       s.task.advance(input.now, now.scene);
       ready = !s.task.done();
       find_goals(now);
+      if (s.task.goals_behind() != behind) {
+        s.places.clear();  // what a place was worth was for another goal
+        if (s.stage == Stage::kMove || s.stage == Stage::kPush) s.stage = choose();
+      }
     }
     if (!ready) s.stage = now.available.state() ? Stage::kHold : Stage::kWait;
     return ready;
@@ -302,13 +303,13 @@ class Sampling final : public Strategy {
   }
 
   double left_of(const scene::Body& body, const task::Goal& goal) const {
-    const double turn = kRadian * yaw_to(body, goal);
+    const double turn = kRadian * goal.turn_about_z(body);
     return (goal.at - body.p_WB.head<2>()).squaredNorm() + turn * turn;
   }
 
   bool within(const scene::Body& body, const task::Goal& goal, double part) const {
     return (goal.at - body.p_WB.head<2>()).norm() < part * goal.position_tolerance &&
-           std::abs(yaw_to(body, goal)) < part * goal.angle_tolerance;
+           std::abs(goal.turn_about_z(body)) < part * goal.angle_tolerance;
   }
 
   /// The part of a way that can be looked ahead.
@@ -333,7 +334,7 @@ class Sampling final : public Strategy {
     for (const auto& [i, goal] : goals_) {
       const scene::Body& body = decision_.x_hat.body(i);
       const Eigen::Vector2d way = goal.at - body.p_WB.head<2>();
-      const double turn = yaw_to(body, goal);
+      const double turn = goal.turn_about_z(body);
       scene::Body& there = wanted_.body(i);
       there.p_WB.head<2>() += ahead(way) * way;
       const double turned = std::clamp(turn, -of_.look_ahead_angle, of_.look_ahead_angle);

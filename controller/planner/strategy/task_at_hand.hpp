@@ -24,7 +24,9 @@ class TaskAtHand {
   }
   /// C3 works at it: from the first time on its clock runs.
   void begin(double now) {
-    if (at_hand().since < 0.0) at_hand().since = now;
+    if (at_hand().since >= 0.0) return;
+    at_hand().since = now;
+    if (std::isnan(at_hand().state.since)) at_hand().state.since = now;
   }
   /// What is reached, of a task with goals. @param scene as it is seen now
   void advance(double now, const scene::Scene& scene) {
@@ -38,6 +40,8 @@ class TaskAtHand {
   /// Since it began; 0 before [s].
   double elapsed(double now) const { return at_hand().since < 0.0 ? 0.0 : now - at_hand().since; }
   std::optional<task::Goal> goal(int body) const { return task().goal(at_hand().state, body); }
+  /// How many goals are behind it.
+  int goals_behind() const { return at_hand().state.goal; }
   /// Every goal of a task that has some.
   bool done() const { return task().done(at_hand().state); }
   /// The goals that are due are, for now.
