@@ -116,6 +116,8 @@ const Examples kExamples{
     {"object add",
      {{"c3rt object add part.stl --mass 0.3 --scale 0.001", "a file in millimetres"},
       {"c3rt object add l.obj --mass 0.4 --friction 0.5 --out objects", ""},
+      {"c3rt object add l.obj --mass 0.4 --decompose --tags 100",
+       "convex pieces by CoACD, AprilTags on top"},
       {"c3rt object add l.obj --mass 0.4 --name bracket --force", "overwrites bracket.xml"}}},
     {"lcs",
      {{"c3rt lcs inspect t.xml", "what a planner sees of an object of your own"},

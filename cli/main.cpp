@@ -471,6 +471,15 @@ class CommandLine {
         ->capture_default_str();
     add->add_option("--out", object_.out, "Folder of the model and its meshes")
         ->capture_default_str();
+    add->add_flag("--decompose", object_.decompose,
+                  "Divides what is hollow into convex pieces by CoACD, if it is installed");
+    add->add_option("--tags", object_.first_tag,
+                    "Puts AprilTags (tag36h11) on its top, of this id and those after it")
+        ->check(cli::whole(0, cli::kLastTag));
+    add->add_option("--tag-size", object_.tag_size, "Edge of a tag's black square [m]")
+        ->check(cli::number(0.005, 0.2))
+        ->capture_default_str();
+    add->add_flag("!--no-picture", object_.picture, "Does not draw it");
     add->add_flag("--force", object_.force, "Overwrites what is there");
   }
 

@@ -1,6 +1,7 @@
 #include "cli/object_add.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -10,11 +11,16 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "cli/decompose.hpp"
 #include "cli/mesh/mesh.hpp"
+#include "cli/mesh/tags.hpp"
 #include "cli/millimetres.hpp"
+#include "cli/object_picture.hpp"
 #include "cli/paths.hpp"
+#include "cli/report/gnuplot.hpp"
 #include "controller/mjcf/object.hpp"
 #include "controller/model/support_points.hpp"
+#include "controller/scene/object.hpp"
 #include "controller/scene/shape.hpp"
 
 namespace c3rt::cli {
@@ -28,6 +34,9 @@ constexpr std::uintmax_t kMostBytes = 256 * 1024 * 1024;  // of a file
 // distances take as long as there are corners; with these a sphere's hull is 3 % smaller than it
 constexpr std::size_t kMostCorners = 150;
 constexpr double kAlike = 0.03, kExact = 0.002;  // volumes of hull and mesh
+constexpr double kOneFace = 0.9999;              // of normals that look the same way
+
+static_assert(kLastTag == scene::Tag::kKinds - 1);
 
 std::string name_of(const ObjectAddSettings& settings) {
   std::string name =
@@ -86,7 +95,21 @@ struct Added {
   std::vector<std::string> notes;
 };
 
-/// Each part of the surface that hangs together is one convex piece.
+/// The hull of a part that hangs together, or of each piece that it is divided into.
+std::vector<mesh::Triangles> hulls_of(const ObjectAddSettings& settings,
+                                      const mesh::Triangles& part) {
+  std::vector<mesh::Triangles> hulls{mesh::hull_of(part, kMostCorners)};
+  const bool closed = mesh::open_edges(part) == 0;
+  if (!settings.decompose || !closed) return hulls;
+  const double volume = std::abs(mesh::solid_of(part).volume);
+  if (mesh::solid_of(hulls.front()).volume <= (1.0 + kAlike) * volume) return hulls;
+  hulls.clear();
+  for (const mesh::Triangles& piece : decompose(part, scene::Union::kMostParts))
+    hulls.push_back(mesh::hull_of(piece, kMostCorners));
+  return hulls;
+}
+
+/// Each part of the surface that hangs together is one convex piece, or several.
 Added pieces_of(const ObjectAddSettings& settings, const mesh::Triangles& mesh) {
   Added added;
   std::vector<mesh::Triangles> parts = mesh::components(mesh);
@@ -94,24 +117,27 @@ Added pieces_of(const ObjectAddSettings& settings, const mesh::Triangles& mesh) 
   const auto is_open = [](const mesh::Triangles& part) { return mesh::open_edges(part) > 0; };
   if (std::any_of(parts.begin(), parts.end(), is_open))
     parts = mesh::components(mesh::welded(mesh));
-  if (parts.size() > static_cast<std::size_t>(scene::Union::kMostParts)) {
+  const auto check_count = [&](std::size_t count) {
+    if (count <= static_cast<std::size_t>(scene::Union::kMostParts)) return;
     throw UsageError(fmt::format("{}: expected at most {} separate parts, got {}", settings.file,
-                                 scene::Union::kMostParts, parts.size()));
-  }
+                                 scene::Union::kMostParts, count));
+  };
+  check_count(parts.size());
   double of_hulls = 0.0;
   int turned = 0;
   Vector3d moment = Vector3d::Zero();
   std::vector<mesh::Solid> solids;
   for (mesh::Triangles& part : parts) {
-    added.hulls.push_back(mesh::hull_of(part, kMostCorners));
-    const mesh::Solid of_hull = mesh::solid_of(added.hulls.back());
-    of_hulls += of_hull.volume;
+    const std::vector<mesh::Triangles> hulls = hulls_of(settings, part);
+    added.hulls.insert(added.hulls.end(), hulls.begin(), hulls.end());
+    check_count(added.hulls.size());
+    for (const mesh::Triangles& hull : hulls) of_hulls += mesh::solid_of(hull).volume;
     if (const std::size_t open = mesh::open_edges(part); open > 0) {
       added.notes.push_back(fmt::format(
           "its surface is not closed ({} edges without one triangle on either side): inertia and "
           "volume are those of the convex hull",
           open));
-      solids.push_back(of_hull);
+      solids.push_back(mesh::solid_of(hulls.front()));
     } else {
       turned += mesh::turn_outwards(part) ? 1 : 0;
       solids.push_back(mesh::solid_of(part));
@@ -130,10 +156,14 @@ Added pieces_of(const ObjectAddSettings& settings, const mesh::Triangles& mesh) 
   const double more = of_hulls / added.solid.volume - 1.0;
   if (more > kAlike) {
     added.notes.push_back(fmt::format(
-        "its convex hull{} {:.3g} % more volume than it: hollows are filled. No library that "
-        "divides a mesh into convex pieces (V-HACD, CoACD) is built in; save it as separate closed "
-        "convex parts in one file, and each becomes a piece",
-        added.hulls.size() == 1 ? " has" : "s have", 100.0 * more));
+        "its convex hull{} {:.3g} % more volume than it: hollows are filled. {}",
+        added.hulls.size() == 1 ? " has" : "s have", 100.0 * more,
+        settings.decompose
+            ? "What CoACD made of it is still so much larger"
+            : "--decompose divides it into convex pieces by CoACD (" +
+                  std::string(kDecomposerInstalled) +
+                  "); or save it as separate closed convex parts in one file, and each becomes a "
+                  "piece"));
   } else if (std::abs(more) > kExact) {
     added.notes.push_back(
         fmt::format("its pieces have {:+.2g} % of its volume more than it", 100.0 * more));
@@ -145,8 +175,24 @@ std::string mesh_name(const std::string& name, std::size_t piece) {
   return fmt::format("{}_{}", name, piece + 1);
 }
 
-std::string to_mjcf(const std::string& name, const ObjectAddSettings& settings,
-                    const Added& added) {
+/// With ids from the first one on.
+std::vector<Vector3d> tags_of(const ObjectAddSettings& settings, const Added& added) {
+  if (settings.first_tag < 0) return {};
+  std::vector<Vector3d> tags = mesh::tag_places(added.hulls, settings.tag_size);
+  const double width = (1.0 + 2.0 * mesh::kTagBorder) * settings.tag_size;
+  if (tags.empty()) {
+    throw UsageError(fmt::format(
+        "--tags: expected a flat place of {0:g} x {0:g} mm that looks up, a tag with its white "
+        "border, got none (--tag-size)",
+        width / kMillimetre));
+  }
+  const int most = kLastTag + 1 - settings.first_tag;
+  if (static_cast<int>(tags.size()) > most) tags.resize(static_cast<std::size_t>(most));
+  return tags;
+}
+
+std::string to_mjcf(const std::string& name, const ObjectAddSettings& settings, const Added& added,
+                    const std::vector<Vector3d>& tags) {
   const Eigen::Matrix3d I = settings.mass * added.solid.inertia;
   std::string assets, geoms;
   for (std::size_t i = 0; i < added.hulls.size(); ++i) {
@@ -156,6 +202,14 @@ std::string to_mjcf(const std::string& name, const ObjectAddSettings& settings,
         "      <geom name=\"{0}\" type=\"mesh\" mesh=\"{0}\" friction=\"{1:g} 0.005 0.0001\"/>\n",
         piece, settings.friction);
   }
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const double half = 0.5 * settings.tag_size;
+    geoms += fmt::format(
+        "      <site name=\"tag36h11_{}\" type=\"box\" size=\"{:.9g} {:.9g} 0.0001\" "
+        "pos=\"{:.9g} {:.9g} {:.9g}\"/>\n",
+        settings.first_tag + static_cast<int>(i), half, half, tags[i].x(), tags[i].y(),
+        tags[i].z());
+  }
   return fmt::format(
       "<mujoco model=\"{}\">\n  <asset>\n{}  </asset>\n  <worldbody>\n    <body name=\"{}\">\n"
       "      <freejoint/>\n"
@@ -164,6 +218,42 @@ std::string to_mjcf(const std::string& name, const ObjectAddSettings& settings,
       "    </body>\n  </worldbody>\n</mujoco>\n",
       name, assets, name, added.solid.com.x(), added.solid.com.y(), added.solid.com.z(),
       settings.mass, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2), geoms);
+}
+
+/// What there is to push on, as seen from above: the widest first.
+void print_faces(const Added& added) {
+  struct Side {
+    double area;
+    Vector3d normal;
+  };
+  std::vector<Side> sides;
+  for (const mesh::Triangles& hull : added.hulls) {
+    for (const Eigen::Vector3i& corners : hull.triangles) {
+      const Vector3d& from = hull.points[static_cast<std::size_t>(corners[0])];
+      const Vector3d across = (hull.points[static_cast<std::size_t>(corners[1])] - from)
+                                  .cross(hull.points[static_cast<std::size_t>(corners[2])] - from);
+      const Vector3d normal = across.normalized();
+      if (!can_be_pushed(normal)) continue;
+      const auto same = std::find_if(sides.begin(), sides.end(), [&](const Side& side) {
+        return side.normal.dot(normal) > kOneFace;
+      });
+      if (same == sides.end()) {
+        sides.push_back({0.5 * across.norm(), normal});
+      } else {
+        same->area += 0.5 * across.norm();
+      }
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& a, const Side& b) { return a.area > b.area; });
+  fmt::print("  to push on: faces of {} directions", sides.size());
+  const std::size_t shown = std::min<std::size_t>(sides.size(), 4);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Vector3d& normal = sides[i].normal;
+    fmt::print("{} ({:.2g}, {:.2g}, {:.2g}) {:.3g} cm2", i == 0 ? ", widest" : ",",
+               normal.x() + 0.0, normal.y() + 0.0, normal.z() + 0.0, 1e4 * sides[i].area);
+  }
+  fmt::print("\n");
 }
 
 void refuse_to_overwrite(const std::vector<fs::path>& files) {
@@ -188,14 +278,17 @@ int add_object(const ObjectAddSettings& settings) {
   } catch (const mesh::Error& error) {
     throw UsageError(error.what());
   }
-  const fs::path folder = make_folder(settings.out), model = folder / (name + ".xml");
+  const std::vector<Vector3d> tags = tags_of(settings, added);
+  const fs::path folder = make_folder(settings.out), model = folder / (name + ".xml"),
+                 picture = folder / (name + ".png");
   std::vector<fs::path> files{model};
   for (std::size_t i = 0; i < added.hulls.size(); ++i)
     files.push_back(folder / (mesh_name(name, i) + ".obj"));
+  if (settings.picture) files.push_back(picture);
   if (!settings.force) refuse_to_overwrite(files);
   for (std::size_t i = 0; i < added.hulls.size(); ++i)
     write_text(files[i + 1], mesh::to_obj(added.hulls[i]));
-  write_text(model, to_mjcf(name, settings, added));
+  write_text(model, to_mjcf(name, settings, added, tags));
 
   // as planner and plant will read it
   const mjcf::ObjectFile object = [&] {
@@ -217,11 +310,28 @@ int add_object(const ObjectAddSettings& settings) {
   for (std::size_t i = 0; i < added.hulls.size(); ++i)
     fmt::print("  {}: convex, {} corners\n", files[i + 1].filename().string(),
                added.hulls[i].points.size());
+  ObjectPicture looks{name, added.hulls, {}, tags, settings.tag_size, added.solid.com};
   fmt::print("  lies on the table with the side that is down in the file, on\n");
   const model::SupportPoints support(object.object, 4);
-  for (const auto& point : support.below(Eigen::Matrix3d::Identity()))
+  for (const auto& point : support.below(Eigen::Matrix3d::Identity())) {
+    looks.support.push_back(object.p_body_com + point.p_B - point.radius * Vector3d::UnitZ());
     fmt::print("    {:.4g} {:.4g} {:.4g} mm\n", millimetres(point.p_B.x()),
                millimetres(point.p_B.y()), millimetres(point.p_B.z()));
+  }
+  print_faces(added);
+  if (!tags.empty()) {
+    fmt::print("  {} of {:g} mm on its top: tag36h11_{}{}\n",
+               tags.size() == 1 ? "a tag" : fmt::format("{} tags", tags.size()),
+               settings.tag_size / kMillimetre, settings.first_tag,
+               tags.size() == 1
+                   ? ""
+                   : fmt::format(" to {}", settings.first_tag + static_cast<int>(tags.size()) - 1));
+  }
+  if (settings.picture) {
+    const std::string missing =
+        gnuplot::missing(picture.filename().string(), draw_object(picture, looks));
+    if (!missing.empty()) added.notes.push_back(missing);
+  }
   if (!added.notes.empty()) fmt::print("mind\n");
   for (const std::string& note : added.notes) fmt::print("  - {}\n", note);
   fmt::print("written: {0} (c3rt lcs inspect {0})\n", model.string());

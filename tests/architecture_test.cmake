@@ -28,7 +28,7 @@ may(controller/base)
 may(controller/rt controller/base)
 may(controller/scene)
 may(controller/mjcf controller/scene)
-may(controller/task controller/scene)
+may(controller/task controller/base controller/scene)
 may(controller/lcs)
 may(controller/qp controller/lcs)
 may(controller/c3 controller/lcs controller/qp)
@@ -66,7 +66,7 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(ser
 files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)
-files_may("^cli/object_add[.]" controller/mjcf controller/model controller/scene)
+files_may("^cli/object_(add|picture)[.]" controller/mjcf controller/model controller/scene)
 files_may("^cli/inspect[.]" controller/lcs controller/mjcf controller/model controller/scene)
 files_may("_main[.]cpp$" config idl controller/base controller/rt)
 

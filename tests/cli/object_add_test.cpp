@@ -118,7 +118,8 @@ TEST_CASE("object add: a hollow that the hull fills is named with what it fills"
   // areas: 7200 mm2 of the L, 9600 of the hull
   CHECK_THAT(outcome.output, Contains("volume 288 cm3") &&
                                  Contains("33.3 % more volume than it: hollows are filled") &&
-                                 Contains("V-HACD") && Contains("separate closed convex parts"));
+                                 Contains("--decompose") &&
+                                 Contains("separate closed convex parts"));
   // the centre of mass is the L's all the same: of 4800 mm2 about (60, 20) and 2400 about (20, 70)
   CHECK((place.object("l").p_body_com - Vector3d(0.14, 0.11, 0.06) / 3.0).norm() < 1e-6);
 }
@@ -194,4 +195,114 @@ TEST_CASE("object add: a wrong call is status 2 and writes nothing") {
   CHECK_FALSE(fs::exists(place.folder.path() / "part.xml"));
   CHECK(run("object add not_there.obj --mass 1").status == 2);
   CHECK(run("object add --help").status == 0);
+}
+
+namespace {
+/// A program in the place of CoACD that does this with $in and $out.
+struct Decomposer {
+  explicit Decomposer(const std::string& does) {
+    const fs::path file = folder.path() / "coacd";
+    std::ofstream(file) << "#!/bin/sh\nin=$2; out=$4\n" << does << "\n";
+    fs::permissions(file, fs::perms::owner_all);
+  }
+  std::string first() const { return "PATH='" + folder.path().string() + "':\"$PATH\" "; }
+  cli::Folder folder;
+};
+
+Outcome add_with(const std::string& first, const Place& place, const std::string& more) {
+  return support::outcome_of(first + "'" C3RT_BINARY_DIRECTORY "/bin/c3rt' object add '" +
+                             place.file.string() + "' --out '" + place.folder.path().string() +
+                             "' " + more);
+}
+}  // namespace
+
+TEST_CASE(
+    "object add: --decompose divides what is hollow by CoACD, with the inertia of the whole") {
+  const Place place(l_of_one_part());
+  const cli::Folder made;
+  std::ofstream(made.path() / "made.obj")
+      << "o geometry_0\n"
+      << block({0, 0, 0}, {0.12, 0.04, 0.04}) << "o geometry_1\n"
+      << block({0, 0.04, 0}, {0.04, 0.1, 0.04}, 8);
+  // it gets the mesh of the file, and what it makes of it is taken
+  const Decomposer coacd("grep -c '^v' \"$in\" > '" + (made.path() / "points").string() +
+                         "'; cp '" + (made.path() / "made.obj").string() + "' \"$out\"");
+  REQUIRE(place.add("--mass 0.4 --name whole").status == 0);
+  const Outcome outcome = add_with(coacd.first(), place, "--mass 0.4 --name l --decompose");
+  INFO(outcome.output);
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.output, Contains("l_1.obj: convex, 8 corners") &&
+                                 Contains("l_2.obj: convex, 8 corners") && !Contains("hollows"));
+  int points = 0;
+  std::ifstream(made.path() / "points") >> points;
+  CHECK(points == 12);
+  const mjcf::ObjectFile two = place.object("l"), whole = place.object("whole");
+  REQUIRE(two.object.parts->parts.size() == 2);
+  CHECK((two.p_body_com - whole.p_body_com).norm() < 1e-8);
+  CHECK((two.object.inertia - whole.object.inertia).norm() < 1e-9);
+  const Vector3d hollow = Vector3d(0.08, 0.07, 0.02) - two.p_body_com;
+  CHECK(scene::nearest(two.object.shape(), hollow).distance == Approx(0.03).margin(1e-6));
+}
+
+TEST_CASE("object add: what is convex already is not divided") {
+  const Place place(block({0, 0, 0}, {0.1, 0.06, 0.04}));
+  CHECK(add_with(Decomposer("exit 1").first(), place, "--mass 0.4 --decompose").status == 0);
+}
+
+TEST_CASE("object add: without CoACD, or where it fails, --decompose says what to do") {
+  const Place place(l_of_one_part());
+  const Outcome missing = add_with("PATH=/nowhere ", place, "--mass 0.4 --decompose");
+  CHECK(missing.status == 2);
+  CHECK_THAT(missing.output, Contains("which is not in PATH: pip install coacd trimesh") &&
+                                 Contains("separate closed convex parts"));
+  const Outcome failed =
+      add_with(Decomposer("echo 'no manifold'; exit 3").first(), place, "--mass 0.4 --decompose");
+  CHECK(failed.status == 2);
+  CHECK_THAT(failed.output, Contains("exited with status 3: no manifold"));
+  const Outcome nothing = add_with(Decomposer("exit 0").first(), place, "--mass 0.4 --decompose");
+  CHECK(nothing.status == 2);
+  CHECK_THAT(nothing.output, Contains("got a file that is none"));
+  CHECK_FALSE(fs::exists(place.folder.path() / "part.xml"));
+}
+
+TEST_CASE("object add: tags lie on its top, and are what cameras look for") {
+  const Place place(block({0.1, 0, 0}, {0.22, 0.045, 0.04}));
+  const Outcome outcome = place.add("--mass 0.4 --tags 584 --tag-size 0.032");
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.output, Contains("3 tags of 32 mm on its top: tag36h11_584 to 586"));
+  const mjcf::ObjectFile file = place.object("part");
+  REQUIRE(file.object.tags.size() == 3);
+  for (int i = 0; i < 3; ++i) {
+    const scene::Tag& tag = file.object.tags[static_cast<std::size_t>(i)];
+    CHECK(tag.id == 584 + i);
+    CHECK(tag.size == Approx(0.032));
+    // 40 mm with their borders: side by side along x, the middle one over the block's
+    CHECK((file.p_body_com + tag.p_BT - Vector3d(0.12 + 0.04 * i, 0.0225, 0.04)).norm() < 1e-6);
+    CHECK((tag.R_BT - Eigen::Matrix3d::Identity()).norm() < 1e-9);
+  }
+  const Outcome small = place.add("--mass 0.4 --tags 0 --tag-size 0.04 --force");
+  CHECK(small.status == 2);
+  CHECK_THAT(small.output, Contains("--tags: expected a flat place of 50 x 50 mm"));
+  for (const char* wrong : {"--tags -1", "--tags 587", "--tags 0 --tag-size 0"})
+    CHECK(place.add(std::string("--mass 0.4 --force ") + wrong).status == 2);
+}
+
+TEST_CASE("object add: it draws the object, and says why where it cannot") {
+  const Place place(block({0, 0, 0}, {0.1, 0.06, 0.04}));
+  const fs::path picture = place.folder.path() / "part.png";
+  REQUIRE(place.add("--mass 0.5 --no-picture").status == 0);
+  CHECK_FALSE(fs::exists(picture));
+  const Outcome without = add_with("PATH=/nowhere ", place, "--mass 0.5 --force");
+  CHECK(without.status == 0);
+  CHECK_THAT(without.output, Contains("no part.png: gnuplot (package gnuplot-nox)"));
+  const Outcome drawn = place.add("--mass 0.5 --force");
+  CHECK(drawn.status == 0);
+  // a block has four sides to push on, the widest two of 100 x 40 mm
+  CHECK_THAT(drawn.output, Contains("to push on: faces of 4 directions, widest") &&
+                               Contains("(0, -1, 0) 40 cm2") && Contains("(1, 0, 0) 24 cm2"));
+  std::ifstream file(picture, std::ios::binary);
+  std::string head(8, ' ');
+  file.read(head.data(), 8);
+  CHECK(head.substr(1, 3) == "PNG");
+  CHECK(fs::file_size(picture) > 2000);
 }
