@@ -198,3 +198,12 @@ TEST_CASE("system: goals drawn from the seed are the same ones for planner and r
     CHECK(task.at("goal_time_longest_s").get<double>() < task.at("goal_time_s").get<double>());
   }
 }
+
+TEST_CASE("system: what slides and what rolls come to their goals, and both stay there") {
+  const Run both = run("cone_and_ball", {"cone_and_ball", "--seed", "106"});
+  CHECK(both.status == 0);
+  CHECK(both.report.at("task").at("goals_reached") == 2);
+  CHECK(both.report.at("task").at("end_position_error_m").get<double>() < 0.012);
+  for (const json& object : both.report.at("objects"))
+    CHECK(object.at("max_error_m").get<double>() > 0.02);
+}
