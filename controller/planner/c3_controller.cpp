@@ -1,6 +1,7 @@
 #include "controller/planner/c3_controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "controller/lcs/lcs.hpp"
 #include "controller/lcs/step.hpp"
@@ -70,9 +71,19 @@ void C3Controller::use(int costs) {
   in_use_ = costs;
 }
 
+bool C3Controller::begins_free(int contact, double phi) const {
+  const auto of = static_cast<std::size_t>(problem_.contacts[static_cast<std::size_t>(contact)]);
+  const model::ContactPair& bodies = problem_.layout->contacts[of].bodies;
+  return phi > free_beyond_ ||
+         (std::isfinite(free_beyond_) && bodies.first >= 0 && bodies.second >= 0);
+}
+
 const c3::Start* C3Controller::start(const Eigen::VectorXd& phi) {
   const bool knows_gaps = solver_.n_copy() > n_x() + n_lambda() + n_u();
-  if (!knows_gaps || !(phi.array() > free_beyond_).any()) return nullptr;
+  if (!knows_gaps) return nullptr;
+  bool any = false;
+  for (int i = 0; i < static_cast<int>(phi.size()); ++i) any = any || begins_free(i, phi[i]);
+  if (!any) return nullptr;
   const model::LambdaLayout lambda = problem_.lambda();
   const Eigen::Index N = x_desired_.cols() - 1;
   start_.w.setZero(solver_.n_copy(), N);
@@ -80,7 +91,7 @@ const c3::Start* C3Controller::start(const Eigen::VectorXd& phi) {
   start_.delta.topRows(n_x()).colwise() = x_hat_;
   const Eigen::VectorXd eta = planning_.E * x_hat_ + planning_.c;
   for (int i = 0; i < static_cast<int>(phi.size()); ++i) {
-    if (phi[i] <= free_beyond_) continue;
+    if (!begins_free(i, phi[i])) continue;
     const auto free = [&](int row) {
       start_.delta.row(solver_.n_copy() - n_lambda() + row).setConstant(std::max(0.0, eta[row]));
     };

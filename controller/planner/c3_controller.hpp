@@ -64,7 +64,8 @@ class C3Controller {
   }
 
   /// C3+ alone: the gaps of contacts that are farther apart than this begin as they are, else at 0,
-  /// which draws bodies to every contact of the model [m].
+  /// which draws bodies to every contact of the model [m]. Those of two bodies always do: nothing
+  /// comes of drawing one to the other.
   void start_from_free_gaps(double beyond) { free_beyond_ = beyond; }
 
   /// Steps 2 and 3: the plan from x̂, of which result() has the solution. A strategy that compares
@@ -82,6 +83,7 @@ class C3Controller {
 
  private:
   void use(int costs);
+  bool begins_free(int contact, double phi) const;
   const c3::Start* start(const Eigen::VectorXd& phi);
 
   double dt_;

@@ -23,8 +23,11 @@ constexpr double kThere = 0.5;                    // of the tolerances: it is mo
 constexpr double kAboveTop = 0.01;                // the end effector travels over bodies [m]
 constexpr double kColumn = 2e-3;                  // beside the way straight down [m]
 constexpr double kApart = 0.015;                  // another place is farther than this [m]
-constexpr double kFree = 0.03;  // contacts farther apart begin free, see C3Controller [m]
-constexpr double kOff = 0.015;  // what is at its goal is left by this [m]
+constexpr double kFree = 0.03;     // contacts farther apart begin free, see C3Controller [m]
+constexpr double kOff = 0.015;     // what is at its goal is left by this [m]
+constexpr double kUnmoved = 0.99;  // a body with more left than this part has not come nearer
+// A body that is tilted by this is let go, before it falls onto another side [rad].
+constexpr double kTilted = 0.1;
 // An arm that comes no nearer to a place by this part within this time cannot reach it [s].
 constexpr double kArrivalPart = 0.02, kArrivalTime = 3.0;
 
@@ -60,6 +63,9 @@ struct State {
   int drawn = 0;                                     // places, since it began to choose
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  // the place that it moves to [m]
   int body = 0;                                      // beside which that is; it is worked on
+  // when it came there: see left_of() [m²], and of the body which axis points upwards, in B
+  double left_on_arrival = 0.0;
+  Eigen::Vector3d up_on_arrival = Eigen::Vector3d::UnitZ();
   // within its tolerances since it was within a part of them
   std::array<bool, scene::kMaxBodies> settled{};
   Worth here, there;  // of this period
@@ -250,7 +256,11 @@ class Sampling final : public Strategy {
         draw(now, work_, of_.samples_to_choose, nullptr);
         const Place* best = s.places.best(p_WE, 0.0);
         if (s.drawn < of_.least_drawn * static_cast<int>(work_.size())) return Stage::kChoose;
-        if (best == nullptr) return choose();
+        if (best == nullptr) {
+          // all that could be of use have failed: better once more than to stand
+          for (const int body : work_) s.places.forget(body);
+          return choose();
+        }
         return move_to(*best, now);
       }
       case Stage::kMove: {
@@ -271,19 +281,23 @@ class Sampling final : public Strategy {
         }
         // also where it is wedged: what it touches has to move
         s.headway.begin(input.now, left);
+        s.left_on_arrival = left;
+        s.up_on_arrival = now.scene.body(s.body).q_WB.conjugate() * Eigen::Vector3d::UnitZ();
         return Stage::kPush;
       }
       case Stage::kPush: {
         // one body is finished before another, as a way between them takes time
         draw(now, {s.body}, of_.samples, &p_WE);
-        const bool made = s.headway.made(input.now, left);
+        const bool made = s.headway.made(input.now, left) && !tilted(now.scene.body(s.body));
         if (!made) s.places.fail(s.body, p_WE);
-        const Place* best = s.places.best_of(s.body, p_WE, kApart);
-        if (!made && (best == nullptr || work_.size() > 1)) return choose();
-        const bool leaves = !made || (input.now - s.since >= of_.least_time && best != nullptr &&
-                                      worth_leaving(of_, s.here, best->worth));
+        const auto best = [&] { return s.places.best_of(s.body, p_WE, kApart); };
+        const bool leaves = !made || (input.now - s.since >= of_.least_time && best() != nullptr &&
+                                      worth_leaving(of_, s.here, best()->worth));
         if (!leaves) return Stage::kPush;
-        return move_to(*best, now);
+        // else two places that each promise more than the other keeps take turns for ever
+        if (left > kUnmoved * s.left_on_arrival) s.places.fail(s.body, s.target);
+        if (best() == nullptr || (!made && work_.size() > 1)) return choose();
+        return move_to(*best(), now);
       }
     }
     return Stage::kHold;
@@ -300,6 +314,11 @@ class Sampling final : public Strategy {
   Stage choose() {
     state_.drawn = 0;
     return Stage::kChoose;
+  }
+
+  bool tilted(const scene::Body& body) const {
+    const double up = (body.q_WB * state_.up_on_arrival).z();
+    return !rolls(body) && up < std::cos(kTilted);
   }
 
   double left_of(const scene::Body& body, const task::Goal& goal) const {

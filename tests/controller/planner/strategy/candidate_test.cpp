@@ -116,3 +116,39 @@ TEST_CASE("candidate: a body that moves goes on alone where it is not touched") 
   }
   CHECK(candidate.worth(costs, from, stages(p, wanted)).still == Approx(still));
 }
+
+TEST_CASE("candidate: a body that lies near another one is pushed off it, not drawn to it") {
+  // a bar 17 mm from a cube that is at its goal, whose place counts as much as it can
+  const Parameters p =
+      config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/three_objects.yaml", {})
+          .planner;
+  Candidate candidate(p, p.sampling.servo);
+  candidate.c3().start_from_free_gaps(0.03);
+  scene::Scene from = candidate.c3().model().layout().world;
+  const auto put = [&](int body, double x, double y, double yaw) {
+    from.body(body).p_WB << x, y, from.table_height + 0.02;
+    from.body(body).q_WB = Eigen::AngleAxisd(yaw, Vector3d::UnitZ());
+  };
+  put(0, 0.6, 0.152, 0.0);
+  put(1, 0.602, -0.159, 0.82);
+  put(2, 0.53, -0.082, -0.06);
+  from.effector.p_WE << 0.527, -0.125, from.table_height + p.sampling.height;
+  scene::Scene wanted = from;
+  wanted.body(2).p_WB += Vector3d(-0.07, 0.07, 0.0);
+  PhaseWeights weights = p.sampling.weights;
+  for (const char* block : {"object_xy", "object_rotation"}) {
+    const double weight = weights.Q.at(block).front();
+    weights.Q.at(block) = {30.0 * weight, weight};  // the two nearest are in the model
+  }
+  const c3::Costs costs = costs_of(candidate.c3().problem(), weights);
+  const Worth worth = candidate.worth(costs, from, stages(p, wanted));
+  CHECK(worth.gain() > 0.05 * worth.still);
+  const VectorXd planned = candidate.c3().result().solution->x_N - candidate.c3().x_hat();
+  const model::Layout& layout = candidate.c3().model().layout();
+  for (const model::StateBlock& block : layout.x) {
+    if (block.body == 1 && block.name == "object_xy") {
+      CHECK(planned[block.start] < 0.0);
+      CHECK(planned[block.start + 1] > 0.0);
+    }
+  }
+}

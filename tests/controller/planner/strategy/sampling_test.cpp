@@ -1,6 +1,7 @@
 #include "controller/planner/strategy/sampling.hpp"
 
 #include <cstring>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -163,4 +164,38 @@ TEST_CASE("sampling: the run's seed decides the places, and another one draws ot
   };
   CHECK(first_place(3) == first_place(3));
   CHECK(first_place(3) != first_place(4));
+}
+
+TEST_CASE("sampling: a place that is left before the body has come nearer is not tried again") {
+  Table table(parameters("push_t"));
+  table.put(0, {0.5, 0.1}, 1.0);  // and there it stays, whatever is done
+  std::vector<Vector3d> places;
+  bool pushed = false;
+  for (int i = 0; i < 30.0 * table.parameters.rate && places.size() < 8; ++i) {
+    const Vector3d before = table.input.effector.p_WE;
+    const bool pushes = table.step().phase == std::string("push");
+    if (pushes && !pushed) {
+      for (const Vector3d& other : places) {
+        CAPTURE(places.size(), before.transpose(), other.transpose());
+        CHECK((before - other).norm() > 0.01);
+      }
+      places.push_back(before);
+    }
+    pushed = pushes;
+  }
+  CHECK(places.size() >= 4);
+}
+
+TEST_CASE("sampling: a body that is tilted is let go") {
+  Table table(parameters("push_t"));
+  table.put(0, {0.5, 0.1}, 1.0);
+  REQUIRE(table.pushes(10.0));
+  const Eigen::Quaterniond flat = table.put(0).q_WB;
+  const auto tilt = [&](double angle) {
+    table.put(0).q_WB = Eigen::AngleAxisd(angle, Vector3d::UnitX()) * flat;
+  };
+  tilt(0.07);
+  CHECK(table.step().phase == std::string("push"));
+  tilt(0.15);
+  CHECK(table.step().phase != std::string("push"));
 }
