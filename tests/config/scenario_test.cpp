@@ -243,7 +243,7 @@ TEST_CASE("scenario: cameras are refused with an object that they cannot track, 
   CHECK(error("circle_slow", ball) == "no error");
   CHECK_THAT(
       error("push_box",
-            "{mjcf: ../objects/l.xml, name: ell, position_m: [0.5, 0], friction_table: 0.3}"),
+            "{mjcf: ../objects/bar.xml, name: ell, position_m: [0.5, 0], friction_table: 0.3}"),
       Contains("vision.source") && Contains("\"ell\"") && Contains("no sphere by its tags"));
   CHECK_THAT(error("push_box",
                    "{shape: box, position_m: [0.5, 0], half_sizes_m: [0.05, 0.05, "

@@ -268,3 +268,33 @@ TEST_CASE("object: a tag that nobody could see as the file says is refused by na
   CHECK(read.object.tags.empty());
   CHECK(notes(read, "tag36h11_1"));
 }
+
+TEST_CASE("mjcf: the shipped objects' tags lie on their tops with their borders, each id once") {
+  std::vector<int> ids;
+  for (const auto& [name, count] :
+       {std::pair<const char*, std::size_t>{"t", 7}, {"box", 4}, {"l", 6}, {"h", 7}, {"e", 4}}) {
+    CAPTURE(name);
+    const scene::Object object = mjcf::read_object(kObjects + name + ".xml").object;
+    REQUIRE(object.tags.size() == count);
+    const double top = scene::reach(object.shape(), Vector3d::UnitZ());
+    for (std::size_t i = 0; i < count; ++i) {
+      const scene::Tag& tag = object.tags[i];
+      CAPTURE(tag.id);
+      CHECK(std::find(ids.begin(), ids.end(), tag.id) == ids.end());
+      ids.push_back(tag.id);
+      CHECK(tag.p_BT.z() == Approx(top).margin(1e-9));
+      CHECK((tag.R_BT - Matrix3d::Identity()).norm() < 1e-9);
+      const double half = 0.625 * tag.size;  // with the white border
+      for (const double x : {-half, 0.0, half}) {
+        for (const double y : {-half, 0.0, half}) {
+          const scene::Nearest at = scene::nearest(object.shape(), tag.p_BT + Vector3d(x, y, 0.0));
+          CHECK(std::abs(at.distance) < 1e-8);
+        }
+      }
+      for (std::size_t other = 0; other < i; ++other) {
+        const Vector3d apart = tag.p_BT - object.tags[other].p_BT;
+        CHECK(apart.head<2>().lpNorm<Eigen::Infinity>() > 2.0 * half - 1e-9);
+      }
+    }
+  }
+}
