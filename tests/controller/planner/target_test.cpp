@@ -201,3 +201,20 @@ TEST_CASE("target: what no planner knows is refused with what was expected, and 
         "path: between: expected one of hold, interpolate, got \"jump\"");
   CHECK(said(path({0.5, 0.0, 0.6, 0.1}, "hold", 0.5)) == "path: preview: expected 0 or 1, got 0.5");
 }
+
+TEST_CASE("target: a run's seed draws the goals that its planner works at") {
+  const Target drawn = load_target({"pose",
+                                    {{"random_goals", {3}, ""},
+                                     {"random_x_m", {0.45, 0.6}, ""},
+                                     {"random_y_m", {-0.1, 0.1}, ""},
+                                     {"position_tolerance_m", {0.01}, ""},
+                                     {"hold_s", {1.0}, ""}}});
+  Parameters parameters{};
+  parameters.task = std::get<task::Task>(drawn);
+  const auto first = [&](std::uint64_t seed) {
+    return seeded(parameters, seed).task.goal(task::State{}, 0)->at;
+  };
+  CHECK(first(7) == first(7));
+  CHECK(first(7) != first(8));
+  CHECK(first(7) == parameters.task.seeded(7).goal(task::State{}, 0)->at);
+}
