@@ -8,7 +8,11 @@
 namespace c3rt::planner {
 
 Candidate::Candidate(const Parameters& parameters, const ServoGains& servo)
-    : c3_(parameters), lemke_(c3_.n_lambda()), N_(parameters.N), dt_(parameters.dt) {
+    : c3_(parameters),
+      reach_(parameters.approach.reach_min, parameters.approach.reach_max),
+      lemke_(c3_.n_lambda()),
+      N_(parameters.N),
+      dt_(parameters.dt) {
   if (c3_.n_u() != 3)
     throw std::invalid_argument(
         "strategy sampling: expected a model with the force on the end "
@@ -39,6 +43,17 @@ void Candidate::set_costs(const c3::Costs& costs) {
   }
 }
 
+bool Candidate::leaves_reach() const {
+  for (const model::StateBlock& block : c3_.model().layout().x) {
+    if (block.body < 0 || block.size != 2) continue;  // where a body is in the plane
+    const auto outside = [&](int k) {
+      return reach_.exteriorDistance(Eigen::Vector2d(x_.col(k).segment<2>(block.start)));
+    };
+    if (outside(N_) > outside(0)) return true;
+  }
+  return false;
+}
+
 Worth Candidate::worth(const c3::Costs& costs, const scene::Scene& from,
                        const std::vector<scene::Scene>& desired) {
   Worth worth;
@@ -52,6 +67,7 @@ Worth Candidate::worth(const c3::Costs& costs, const scene::Scene& from,
   w_.noalias() = G_ * planned_;
   if (!lcs::simulate(closed_, c3_.x_hat(), w_, lemke_, x_, lambda_).ok() || !x_.allFinite())
     return worth;
+  if (leaves_reach()) return worth;
   const auto cost_of = [&](const auto& x, int k) {
     return (x - c3_.x_desired().col(k)).cwiseAbs2().dot(Q_);
   };

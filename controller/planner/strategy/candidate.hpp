@@ -7,7 +7,9 @@ namespace c3rt::planner {
 
 /// The cost of the objects over the horizon. Costs of another scene or goal do not compare.
 struct Worth {
-  bool known = false;  // else the plan or its simulation has no answer
+  // else the plan or its simulation has no answer, or a body is pushed to where the robot would
+  // hold, as it is out of reach
+  bool known = false;
   double cost = 0.0;   // where the end effector tries the plan
   double still = 0.0;  // and where it touches nothing
   double gain() const noexcept { return known ? still - cost : 0.0; }
@@ -35,8 +37,10 @@ class Candidate {
 
  private:
   void set_costs(const c3::Costs& costs);
+  bool leaves_reach() const;  // a body of the last trial
 
   C3Controller c3_;
+  Eigen::AlignedBox2d reach_;  // of bodies, in W [m]
   int costs_ = -1;
   Eigen::VectorXd Q_;  // diagonal, of the objects alone
   Eigen::MatrixXd K_, G_, planned_, w_, x_, lambda_;

@@ -288,7 +288,9 @@ class Sampling final : public Strategy {
       case Stage::kPush: {
         // one body is finished before another, as a way between them takes time
         draw(now, {s.body}, of_.samples, &p_WE);
-        const bool made = s.headway.made(input.now, left) && !tilted(now.scene.body(s.body));
+        // nor is it where there is no plan, or only one that pushes a body out of reach
+        const bool made =
+            s.headway.made(input.now, left) && s.here.known && !tilted(now.scene.body(s.body));
         if (!made) s.places.fail(s.body, p_WE);
         const auto best = [&] { return s.places.best_of(s.body, p_WE, kApart); };
         const bool leaves = !made || (input.now - s.since >= of_.least_time && best() != nullptr &&

@@ -152,3 +152,22 @@ TEST_CASE("candidate: a body that lies near another one is pushed off it, not dr
     }
   }
 }
+
+TEST_CASE("candidate: a place from which a body is pushed out of reach is worth nothing") {
+  Parameters p = parameters();
+  const auto worth_at = [&](double x) {
+    Candidate candidate(p, p.sampling.servo);
+    const c3::Costs costs = costs_of(candidate.c3().problem(), p.sampling.weights);
+    scene::Scene from = scene_of(candidate.c3().model(), {-0.08, 0.0, 0.0});
+    from.body(0).p_WB.x() += x - 0.5;
+    from.effector.p_WE.x() += x - 0.5;
+    return candidate.worth(costs, from, stages(p, wanted_of(from)));
+  };
+  const double end = p.approach.reach_max.x();
+  CHECK(worth_at(end - 0.15).known);
+  CHECK(worth_at(end - 0.15).gain() > 0.0);
+  CHECK_FALSE(worth_at(end - 0.005).known);
+  CHECK_FALSE(worth_at(end + 0.005).known);  // and not farther, where it lies outside
+  p.approach.reach_max.x() += 0.2;
+  CHECK(worth_at(end - 0.005).known);
+}

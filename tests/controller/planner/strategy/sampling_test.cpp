@@ -199,3 +199,20 @@ TEST_CASE("sampling: a body that is tilted is let go") {
   tilt(0.15);
   CHECK(table.step().phase != std::string("push"));
 }
+
+TEST_CASE("sampling: a body is let go before it is pushed out of reach") {
+  Table table(parameters("push_t", {"task.goals_m=[[0.7, 0.0]]"}));
+  table.put(0, {0.55, 0.0}, 0.0);
+  REQUIRE(table.pushes(10.0));
+  // the same, where the reach ends
+  Parameters near = table.parameters;
+  near.approach.reach_max.x() = 0.5505;
+  Table edge(near);
+  edge.put(0, {0.55, 0.0}, 0.0);
+  edge.input.effector = table.input.effector;
+  int pushed = 0;
+  for (int i = 0; i < 3.0 * near.rate; ++i)
+    pushed += edge.step().phase == std::string("push") ? 1 : 0;
+  CHECK(pushed < 20);  // of 150, where it only turns
+  CHECK(edge.planner.activity().cause == Cause::kNone);
+}
