@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 #include <thread>
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "cli/supervisor.hpp"
+#include "controller/base/words.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -128,10 +128,8 @@ ProgramEnd run_program(const std::vector<std::string>& arguments, const std::str
   if (!ended) waitpid(pid, &status, 0);
   end.output = out.text();
   if (!ended) {
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%g", timeout_s);
     end.kind = ProgramEnd::Kind::kTimedOut;
-    end.reason = std::string("did not end within ") + seconds + " s";
+    end.reason = base::words("did not end within %g s", timeout_s);
   } else if (WIFEXITED(status)) {
     end.kind = ProgramEnd::Kind::kExited;
     end.status = WEXITSTATUS(status);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <set>
 
 #include "config/extends.hpp"
 #include "config/text.hpp"
+#include "controller/base/words.hpp"
 
 namespace c3rt::config {
 namespace {
@@ -52,9 +52,7 @@ std::string scalar(const std::string& text) {
       quoted += c;
       continue;
     }
-    char escaped[5];
-    std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(c));
-    quoted += escaped;
+    quoted += base::words("\\x%02x", static_cast<unsigned char>(c));
   }
   return quoted + "\"";
 }

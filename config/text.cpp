@@ -1,8 +1,9 @@
 #include "config/text.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <sstream>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::config {
 namespace {
@@ -40,9 +41,7 @@ std::string printable(const std::string& text, std::size_t longest) {
       at += length;
       continue;
     }
-    char escaped[5];
-    std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(text[at]));
-    shown += escaped;
+    shown += base::words("\\x%02x", static_cast<unsigned char>(text[at]));
     ++at;
   }
   return shown;

@@ -1,7 +1,7 @@
 #pragma once
-// Between the wire's types and those of the rooms: vectors, rotations, bodies, tasks, plans, states
-// and modes. The one place where that is written. It includes no room but the scene's and the
-// task's: what it takes of another one is a template's parameter.
+// Between the wire's types and those of the rooms: vectors, rotations, bodies, estimates, tasks,
+// plans, states and modes. The one place where that is written. It includes no room but the scene's
+// and the task's: what it takes of another one is a template's parameter.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -50,8 +50,8 @@ void fill(double (&wxyz)[4], const Eigen::Quaternion<double, options>& q) noexce
 
 /// Where it is and how it moves, of anything that says so on the wire: an object of the scene, an
 /// estimate.
-template <typename Sample>
-void fill_motion(Sample& out, const scene::Body& body) noexcept {
+template <typename Sample, typename Body>
+void fill_motion(Sample& out, const Body& body) noexcept {
   fill(out.p_WB_m, body.p_WB);
   fill(out.q_WB, body.q_WB);
   fill(out.v_WB_m_per_s, body.v_WB);
@@ -67,6 +67,26 @@ scene::Body body(const Sample& sample) noexcept {
   body.v_WB = vector(sample.v_WB_m_per_s);
   body.omega_WB = vector(sample.omega_rad_per_s);
   return body;
+}
+
+/// What was measured of an object, and what its filter makes of it.
+template <typename Measurement, typename Filtered>
+void fill_estimate(ObjectEstimate& out, const Measurement& measured, const Filtered& filtered) {
+  out.valid = filtered.valid;
+  fill(out.p_measured_m, measured.found ? measured.p_WB : filtered.p_WB);
+  if (measured.found && measured.q_WB) fill(out.q_measured, *measured.q_WB);
+  fill_motion(out, filtered);
+}
+
+/// What one camera saw of an object.
+template <typename View>
+void fill_detection(ObjectDetection& out, const View& view) noexcept {
+  out.found = view.detection.found;
+  out.used = view.used;
+  out.u_px = view.detection.centre.x();
+  out.v_px = view.detection.centre.y();
+  out.radius_px = view.detection.radius;
+  fill(out.p_WB_m, view.detection.p_WB);
 }
 
 /// A client's task, of a sample that was let in.

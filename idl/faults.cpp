@@ -1,19 +1,14 @@
 #include "idl/faults.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include "controller/base/time.hpp"
+#include "controller/base/words.hpp"
 
 namespace c3rt::wire {
 namespace {
 
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
+using base::words;
 
 bool lasts(c3rt_v2_FaultKind kind) {
   return kind != c3rt_v2_FAULT_NONE && kind != c3rt_v2_FAULT_PUSH_OBJECT;
@@ -43,16 +38,16 @@ std::string refusal_of_push(const FaultInject& fault, const FaultScope& scope) {
   const int objects = scope.object_masses.empty() ? c3rt_v2_MAX_OBJECTS
                                                   : static_cast<int>(scope.object_masses.size());
   if (fault.index < 0 || fault.index >= objects)
-    return text("expected an object from 0 to %d, got %d", objects - 1,
-                static_cast<int>(fault.index));
+    return words("expected an object from 0 to %d, got %d", objects - 1,
+                 static_cast<int>(fault.index));
   if (!std::isfinite(impulse[0]) || !std::isfinite(impulse[1]) || !std::isfinite(impulse[2])) {
-    return text("expected an impulse of finite numbers, got (%g, %g, %g) N s", impulse[0],
-                impulse[1], impulse[2]);
+    return words("expected an impulse of finite numbers, got (%g, %g, %g) N s", impulse[0],
+                 impulse[1], impulse[2]);
   }
   if (scope.object_masses.empty()) return {};
   const double mass = scope.object_masses[static_cast<std::size_t>(fault.index)];
   if (size <= mass * kHardestPush) return {};
-  return text(
+  return words(
       "expected an impulse of at most %g N s, which gives object %d of %g kg %g m/s, got %g",
       mass * kHardestPush, static_cast<int>(fault.index), mass, kHardestPush, size);
 }
@@ -85,21 +80,21 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope) {
         fault.process == c3rt_v2_PROCESS_PLANT    ? "none, push-object, drop-commands, stall or nan"
         : fault.process == c3rt_v2_PROCESS_VISION ? "none, freeze-camera, lose-object, stall or nan"
                                                   : "none, stall or nan";
-    return text("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
-                fault_name(fault.kind), static_cast<int>(fault.kind));
+    return words("expected %s of %s, got %s (kind %d)", known, process_name(fault.process),
+                 fault_name(fault.kind), static_cast<int>(fault.kind));
   }
   if (lasts(fault.kind) && !(fault.duration_s > 0.0 && fault.duration_s <= kLongestFault)) {
-    return text("expected a duration of more than 0 and at most %g s, got %g s", kLongestFault,
-                fault.duration_s);
+    return words("expected a duration of more than 0 and at most %g s, got %g s", kLongestFault,
+                 fault.duration_s);
   }
   if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) return refusal_of_push(fault, scope);
   if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA) {
     if (scope.cameras == 0) return "expected a scenario with cameras, as this one emulates them";
     if (fault.index < 0 || (scope.cameras > 0 && fault.index >= scope.cameras)) {
       return scope.cameras > 0
-                 ? text("expected a camera from 0 to %d, got %d", scope.cameras - 1,
-                        static_cast<int>(fault.index))
-                 : text("expected a camera from 0 on, got %d", static_cast<int>(fault.index));
+                 ? words("expected a camera from 0 to %d, got %d", scope.cameras - 1,
+                         static_cast<int>(fault.index))
+                 : words("expected a camera from 0 on, got %d", static_cast<int>(fault.index));
     }
   }
   return {};
@@ -108,12 +103,12 @@ std::string refusal(const FaultInject& fault, const FaultScope& scope) {
 std::string describe(const FaultInject& fault) {
   const char* name = fault_name(fault.kind);
   if (fault.kind == c3rt_v2_FAULT_PUSH_OBJECT) {
-    return text("%s %d by (%g, %g, %g) N s", name, static_cast<int>(fault.index), fault.value[0],
-                fault.value[1], fault.value[2]);
+    return words("%s %d by (%g, %g, %g) N s", name, static_cast<int>(fault.index), fault.value[0],
+                 fault.value[1], fault.value[2]);
   }
   if (fault.kind == c3rt_v2_FAULT_FREEZE_CAMERA)
-    return text("%s %d for %g s", name, static_cast<int>(fault.index), fault.duration_s);
-  if (lasts(fault.kind)) return text("%s for %g s", name, fault.duration_s);
+    return words("%s %d for %g s", name, static_cast<int>(fault.index), fault.duration_s);
+  if (lasts(fault.kind)) return words("%s for %g s", name, fault.duration_s);
   return fault.kind == c3rt_v2_FAULT_NONE ? "every fault ended" : name;
 }
 

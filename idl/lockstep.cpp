@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
+#include "controller/base/time.hpp"
+#include "controller/base/words.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
 #include "idl/shutdown_listener.hpp"
@@ -24,11 +25,7 @@ void merge(Sequences& newest, const Sequences& other) {
   for (int i = 0; i < c3rt_v2_TOPIC_COUNT; ++i) newest[i] = std::max(newest[i], other[i]);
 }
 
-std::string seconds(std::int64_t time_ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g s", static_cast<double>(time_ns) * 1e-9);
-  return text;
-}
+std::string seconds(std::int64_t time_ns) { return base::words("%.6g s", base::seconds(time_ns)); }
 
 std::uint32_t bit(Process process) { return 1U << static_cast<unsigned>(process); }
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <type_traits>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::wire {
 
@@ -138,10 +139,8 @@ class Check {
 };
 
 std::string number(double value) {
-  char text[32];
   const bool whole = std::abs(value) < 1e15 && value == std::floor(value);
-  std::snprintf(text, sizeof text, whole ? "%.0f" : "%.6g", value);
-  return text;
+  return base::words(whole ? "%.0f" : "%.6g", value);
 }
 
 }  // namespace

@@ -110,16 +110,9 @@ void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& see
   out.object_index = static_cast<int>(index);
   wire::set_text(out.name, objects_[index].name);
   out.exposure_ns = exposure_ns;
-  out.valid = now.valid;
   out.sensors_used = seen.cameras_used;
-  wire::fill(out.p_measured_m, seen.measurement.found ? seen.measurement.p_WB : now.p_WB);
-  if (seen.measurement.found && seen.measurement.q_WB)
-    wire::fill(out.q_measured, *seen.measurement.q_WB);
-  wire::fill(out.p_WB_m, now.p_WB);
-  wire::fill(out.v_WB_m_per_s, now.v_WB);
-  wire::fill(out.omega_rad_per_s, now.omega_WB);
+  wire::fill_estimate(out, seen.measurement, now);
   if (acceleration_) wire::fill(out.a_WB_m_per_s2, free_acceleration(seen.measurement, now));
-  wire::fill(out.q_WB, now.q_WB);
   if (faults_.spoils(exposure_ns)) out.p_WB_m[0] = std::numeric_limits<double>::quiet_NaN();
   output_.estimates.push_back(out);
 
@@ -130,12 +123,7 @@ void Node::observe(std::size_t index, std::int64_t exposure_ns, Observation& see
     detection.camera = static_cast<int>(i);
     detection.object_index = static_cast<int>(index);
     detection.exposure_ns = exposure_ns;
-    detection.found = view.detection.found;
-    detection.used = view.used;
-    detection.u_px = view.detection.centre.x();
-    detection.v_px = view.detection.centre.y();
-    detection.radius_px = view.detection.radius;
-    wire::fill(detection.p_WB_m, view.detection.p_WB);
+    wire::fill_detection(detection, view);
     output_.detections.push_back(detection);
   }
 }

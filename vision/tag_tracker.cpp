@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::vision {
 namespace {
@@ -17,11 +18,7 @@ using Eigen::Isometry3d;
 constexpr int kPatience = 20;       // exposures in a row before an outlier is spoken of
 constexpr double kSameSize = 0.05;  // of a tag's edge
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return base::words("%.1f mm", 1e3 * metres); }
 
 Isometry3d pose_of(const JointFit& fit) {
   Isometry3d X_WB = Isometry3d::Identity();

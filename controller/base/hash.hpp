@@ -2,10 +2,11 @@
 // FNV-1a with 64 bits: tells two texts or two runs apart. No protection against intent.
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::base {
 
@@ -25,9 +26,7 @@ class Hash {
   std::uint64_t value() const noexcept { return value_; }
   /// "fnv1a64:0123456789abcdef"
   std::string text() const {
-    char out[32];
-    std::snprintf(out, sizeof out, "fnv1a64:%016llx", static_cast<unsigned long long>(value_));
-    return out;
+    return words("fnv1a64:%016llx", static_cast<unsigned long long>(value_));
   }
 
  private:

@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRounding = 1e-14;  // of the terms of a bound
-constexpr int kSettling = 12;        // centres that a bound may take
+constexpr int kRepeats = 12;         // centres that a bound may take
 constexpr double kDear = 1e6;        // of the cost: a bound above is as good as infeasible
 constexpr double kNothing = 1e-12;   // of its terms: rounding of a row that nothing changes
 
@@ -288,25 +288,26 @@ LeastDistance::Bound LeastDistance::dual(const VectorXd& v_c, const std::vector<
   for (std::size_t i = 0; i < rows.size(); ++i) f += mu[i] * C_.col(rows[i]);
   Bound bound{0.0, 0.0, L.transpose().solve(f - half)};
   const double moved = (bound.v - v_c).norm();
-  bound.unsettled = epsilon_ * moved * (moved + 2.0 * reach(bound.v));
+  bound.curvature_loss = epsilon_ * moved * (moved + 2.0 * reach(bound.v));
   const double rounding =
       kRounding * (condensed_->constant + half.squaredNorm() + f.squaredNorm() +
                    bound.v.squaredNorm() + 2.0 * t.cwiseAbs().dot(mu.cwiseAbs()));
   bound.value = condensed_->constant + epsilon_ * v_c.squaredNorm() - half.squaredNorm() -
-                f.squaredNorm() - 2.0 * t.dot(mu) - bound.unsettled - rounding;
-  if (bound.unsettled <= rounding) bound.unsettled = 0.0;
+                f.squaredNorm() - 2.0 * t.dot(mu) - bound.curvature_loss - rounding;
+  if (bound.curvature_loss <= rounding) bound.curvature_loss = 0.0;
   return bound;
 }
 
-LeastDistance::Bound LeastDistance::settle(VectorXd v_c, const std::vector<int>& rows,
-                                           const Multipliers& multipliers, double enough) const {
+LeastDistance::Bound LeastDistance::best_bound(VectorXd v_c, const std::vector<int>& rows,
+                                               const Multipliers& multipliers,
+                                               double enough) const {
   Bound best{-std::numeric_limits<double>::infinity(), 0.0, v_c};
-  for (int repeat = 0; repeat < kSettling; ++repeat) {
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
     Bound bound = dual(v_c, rows, multipliers);
     v_c = bound.v;
-    const bool settled = bound.unsettled == 0.0;
+    const bool converged = bound.curvature_loss == 0.0;
     if (bound.value > best.value) best = std::move(bound);
-    if (best.value >= enough || settled) break;
+    if (best.value >= enough || converged) break;
   }
   return best;
 }
@@ -321,7 +322,7 @@ LeastDistance::Bound LeastDistance::lower_bound(const Centre& centre, const qp::
       if (!qp.is_pinned(rows[i])) t[i] = std::max(t[i], 0.0);
     return t;
   };
-  return settle(normalised(centre, qp.f()), rows, multipliers, enough);
+  return best_bound(normalised(centre, qp.f()), rows, multipliers, enough);
 }
 
 double LeastDistance::infeasible_below(const Centre& centre, const qp::NodeQp& qp,
@@ -334,7 +335,7 @@ double LeastDistance::infeasible_below(const Centre& centre, const qp::NodeQp& q
 
   // the combination as multipliers: in proportion to it the dual function rises from the free
   // minimum, until the square of its normal counts
-  const Bound free = settle(
+  const Bound free = best_bound(
       normalised(centre, VectorXd::Zero(qp.f().size())), {}, [](const VectorXd& t) { return t; },
       kInfinity);
   std::vector<int> rows;

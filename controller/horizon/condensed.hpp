@@ -75,14 +75,14 @@ class LeastDistance {
   void meet(const qp::NodeQp& qp, Eigen::VectorXd& v) const;
 
   struct Bound {
-    double value;       // no plan within reach of `v` costs less
-    double unsettled;   // how much of it the curvature has cost; 0 where less than rounding
-    Eigen::VectorXd v;  // where it was found (in the units of H)
+    double value;           // no plan within reach of `v` costs less
+    double curvature_loss;  // how much of it the curvature has cost; 0 where less than rounding
+    Eigen::VectorXd v;      // where it was found (in the units of H)
   };
   /// A lower bound of the problem *without* ε, with the inequalities as they are and the pinned
   /// rows at zero: the dual function at multipliers of the active constraints around a centre that
-  /// has settled. With v the minimiser of the Lagrangian and v_c the centre, any other v' costs at
-  /// least
+  /// has converged. With v the minimiser of the Lagrangian and v_c the centre, any other v' costs
+  /// at least
   ///
   ///   dual − ε ‖v − v_c‖² − 2 ε ‖v − v_c‖ ‖v' − v‖
   ///
@@ -107,8 +107,8 @@ class LeastDistance {
   Bound dual(const Eigen::VectorXd& v_c, const std::vector<int>& rows,
              const Multipliers& multipliers) const;
   /// The best of the bounds around v_c, the minimiser that this gives, and so on.
-  Bound settle(Eigen::VectorXd v_c, const std::vector<int>& rows, const Multipliers& multipliers,
-               double enough) const;
+  Bound best_bound(Eigen::VectorXd v_c, const std::vector<int>& rows,
+                   const Multipliers& multipliers, double enough) const;
 
   const Condensed* condensed_;
   double epsilon_;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
+#include "controller/base/words.hpp"
 #include "controller/horizon/modes.hpp"
 #include "controller/qp/branch_and_bound.hpp"
 #include "controller/qp/node_qp.hpp"
@@ -203,28 +203,24 @@ SearchResult search(const Problem& problem, const SearchSettings& settings,
 }
 
 std::string describe(const SearchResult& result) {
-  const auto text = [](const char* format, auto... values) {
-    char buffer[160];
-    std::snprintf(buffer, sizeof buffer, format, values...);
-    return std::string(buffer);
-  };
-  const std::string best = result.plan
-                               ? text("the best plan found is within a gap of %.2g", result.gap)
-                               : std::string("no plan was found");
+  const std::string best =
+      result.plan ? base::words("the best plan found is within a gap of %.2g", result.gap)
+                  : std::string("no plan was found");
   switch (result.status) {
     case SearchStatus::kOptimal:
-      return text("proven optimal to a gap of %.2g", result.gap);
+      return base::words("proven optimal to a gap of %.2g", result.gap);
     case SearchStatus::kInfeasible:
       return "infeasible: no trajectory meets the constraints";
     case SearchStatus::kNodeLimit:
-      return text("stopped at max_nodes = %ld (%ld QPs solved): ", result.max_nodes, result.nodes) +
+      return base::words("stopped at max_nodes = %ld (%ld QPs solved): ", result.max_nodes,
+                         result.nodes) +
              best;
     case SearchStatus::kDeadline:
-      return text("stopped by the deadline after %ld QPs: ", result.nodes) + best;
+      return base::words("stopped by the deadline after %ld QPs: ", result.nodes) + best;
     case SearchStatus::kInaccurate:
       break;
   }
-  return text("beyond double precision, %ld QPs searched to the end: ", result.nodes) + best;
+  return base::words("beyond double precision, %ld QPs searched to the end: ", result.nodes) + best;
 }
 
 }  // namespace c3rt::horizon

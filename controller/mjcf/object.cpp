@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -12,6 +11,8 @@
 
 #include <Eigen/Geometry>
 #include <mujoco/mujoco.h>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::mjcf {
 namespace {
@@ -29,12 +30,6 @@ struct DataDeleter {
 Vector3d vector(const mjtNum* from) { return Eigen::Map<const Vector3d>(from); }
 Matrix3d matrix(const mjtNum* from) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from);
-}
-
-std::string number(const char* format, double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 const char* type_name(int geom_type) {
@@ -146,7 +141,7 @@ class Reader {
       mass_ += model_->body_mass[i];
       p_WC += model_->body_mass[i] * vector(data_->xipos + 3 * i);
     }
-    if (!(mass_ > 0.0)) fail("an object with a mass", number("%g kg", mass_));
+    if (!(mass_ > 0.0)) fail("an object with a mass", base::words("%g kg", mass_));
     p_WC /= mass_;
     for (int i = 0; i < model_->nbody; ++i) {
       if (!is_fixed_to_body(i)) continue;
@@ -162,7 +157,7 @@ class Reader {
     R_WB_ = R_WB;
     p_body_com_ = R_WB.transpose() * (p_WC - vector(data_->xpos + 3 * body_));
     if (p_body_com_.norm() > 1e-6) {
-      notes_.push_back("the centre of mass is " + number("%.4g", 1e3 * p_body_com_.norm()) +
+      notes_.push_back("the centre of mass is " + base::words("%.4g", 1e3 * p_body_com_.norm()) +
                        " mm from the origin of body " + quoted(mjOBJ_BODY, body_) +
                        ": poses are those of the centre of mass");
     }
@@ -198,8 +193,8 @@ class Reader {
            std::to_string(parts_.parts.size()));
     }
     if (least_friction < friction_) {
-      notes_.push_back("its geoms have frictions from " + number("%g", least_friction) + " to " +
-                       number("%g", friction_) + ": it counts as one of the largest");
+      notes_.push_back("its geoms have frictions from " + base::words("%g", least_friction) +
+                       " to " + base::words("%g", friction_) + ": it counts as one of the largest");
     }
   }
 
@@ -234,7 +229,8 @@ class Reader {
             "the site \"" + called + "\"" +
                 (model_->site_type[site] != mjGEOM_BOX
                      ? ", which is no box"
-                     : " of " + number("%g", 2e3 * half[0]) + number(" x %g mm", 2e3 * half[1])));
+                     : " of " + base::words("%g", 2e3 * half[0]) +
+                           base::words(" x %g mm", 2e3 * half[1])));
       }
       tag.size = 2.0 * half[0];
       tag.p_BT = R_WB_.transpose() * (vector(data_->site_xpos + 3 * site) - p_WC_);
@@ -311,7 +307,7 @@ class Reader {
       notes_.emplace_back("its angles are degrees, as no angle=\"radian\" says otherwise");
     if (!has("mass=") && !has("density=")) {
       notes_.push_back("no mass and no density is given: MuJoCo takes 1000 kg/m3, which makes " +
-                       number("%.3g kg", mass_));
+                       base::words("%.3g kg", mass_));
     }
   }
 
@@ -323,11 +319,12 @@ class Reader {
       largest = std::max(largest, scene::reach(shape, along) + scene::reach(shape, -along));
     }
     if (largest > 1.0) {
-      notes_.push_back("it is " + number("%.3g", largest) +
+      notes_.push_back("it is " + base::words("%.3g", largest) +
                        " m large: is its file in millimetres? (scale=\"0.001 0.001 0.001\")");
     }
     if (largest < 0.005)
-      notes_.push_back("it is " + number("%.3g", 1e3 * largest) + " mm small: is its scale right?");
+      notes_.push_back("it is " + base::words("%.3g", 1e3 * largest) +
+                       " mm small: is its scale right?");
   }
 
   static constexpr std::size_t kMostCorners = 400;

@@ -1,16 +1,11 @@
 #include "controller/planner/activity.hpp"
 
-#include <cstdio>
+#include "controller/base/words.hpp"
 
 namespace c3rt::planner {
 namespace {
 
-template <typename... Numbers>
-std::string text(const char* format, Numbers... numbers) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, numbers...);
-  return buffer;
-}
+using base::words;
 
 /// "t 0", "box 0": as clients name it, by its index.
 std::string called(const Activity& activity) {
@@ -45,30 +40,30 @@ std::string why(const Activity& a, const Parameters& parameters, double now) {
     case Cause::kNoState:
       return "no robot/state has arrived";
     case Cause::kStateLate:
-      return text("robot/state is late by %.1f s", a.age);
+      return words("robot/state is late by %.1f s", a.age);
     case Cause::kStateNotFinite:
       return "robot/state is not finite";
     case Cause::kNoVision:
-      return text("vision has not told of %s yet", body);
+      return words("vision has not told of %s yet", body);
     case Cause::kVisionSilent:
-      return text("vision is silent: the last estimate of %s is %.1f s old", body, a.age);
+      return words("vision is silent: the last estimate of %s is %.1f s old", body, a.age);
     case Cause::kBodyNotInView:
-      return text("%s is not in view since %.1f s", body, now - a.since);
+      return words("%s is not in view since %.1f s", body, now - a.since);
     case Cause::kBodyNotFinite:
-      return text("the estimate of %s is not finite", body);
+      return words("the estimate of %s is not finite", body);
     case Cause::kBodyOutOfReach:
-      return text("%s is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m", body,
-                  a.body_at.x(), a.body_at.y(), reach.reach_min.x(), reach.reach_max.x(),
-                  reach.reach_min.y(), reach.reach_max.y());
+      return words("%s is out of reach at (%.3f, %.3f) m; reach is x %g to %g, y %g to %g m", body,
+                   a.body_at.x(), a.body_at.y(), reach.reach_min.x(), reach.reach_max.x(),
+                   reach.reach_min.y(), reach.reach_max.y());
     case Cause::kStopped:
       return "stopped by a person; recover ends it";
     case Cause::kAsked:
-      return text("asked to hold; %s at (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
+      return words("asked to hold; %s at (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
     case Cause::kNotBroughtToRest:
-      return text("asked to hold; %s could not be brought to rest and rolls at %.3f m/s", body,
-                  a.body_speed);
+      return words("asked to hold; %s could not be brought to rest and rolls at %.3f m/s", body,
+                   a.body_speed);
     case Cause::kAtTarget:
-      return text("%s lies at its target, (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
+      return words("%s lies at its target, (%.3f, %.3f) m", body, a.body_at.x(), a.body_at.y());
   }
   return {};
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "controller/base/words.hpp"
 #include "controller/c3/load_settings.hpp"
 #include "controller/mjcf/object.hpp"
 #include "controller/planner/c3_controller.hpp"
@@ -169,14 +169,13 @@ double carried(const config::Section& tuned, const char* key, const ModelParamet
                const std::string& model_key, double tuned_value, double least, double most) {
   const double ratio = model.values[model_key] / tuned_value;
   if (ratio >= least && ratio <= most) return ratio;
-  char expected[200], got[80];
-  std::snprintf(expected, sizeof expected,
-                "that of a body that model.%s is %g to %g times of, which is what the settings can "
-                "hold (others need settings and a tuned_for of their own)",
-                model_key.c_str(), least, most);
-  std::snprintf(got, sizeof got, "%g, of which %g is %.3g times", tuned_value,
-                model.values[model_key], ratio);
-  tuned.fail(key, expected, got);
+  tuned.fail(
+      key,
+      base::words(
+          "that of a body that model.%s is %g to %g times of, which is what the settings can "
+          "hold (others need settings and a tuned_for of their own)",
+          model_key.c_str(), least, most),
+      base::words("%g, of which %g is %.3g times", tuned_value, model.values[model_key], ratio));
 }
 
 Ratio load_ratio(config::Section& section, const ModelParameters& model) {

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+
+#include "controller/base/words.hpp"
 
 namespace c3rt::task {
 namespace {
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
+std::string text(double value) { return base::words("%g", value); }
 
 std::string range(double min, double max) { return "from " + text(min) + " to " + text(max); }
 

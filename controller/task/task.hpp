@@ -1,7 +1,6 @@
 #pragma once
 // What the bodies are to do, whatever kind of task it is.
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "controller/base/words.hpp"
 #include "controller/scene/scene.hpp"
 
 namespace c3rt::task {
@@ -84,13 +84,7 @@ struct Limits {
   /// "x in [0.37, 0.73] and y in [-0.28, 0.28] m", `inside` the border by so much.
   std::string words(double inside = 0.0) const;
 };
-/// As printf, at most 255 letters.
-template <typename... Values>
-std::string words(const char* format, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
+using base::words;
 
 /// Where a body is on the way of a task that orders the bodies.
 struct Along {
