@@ -81,5 +81,6 @@ function(c3rt_test path)
     target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>")
   endif()
   add_test(NAME ${path} COMMAND ${target})
-  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${timeout})
+  # what may take long begins first, so that no core waits for it at the end
+  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${timeout} COST ${arg_TIMEOUT})
 endfunction()

@@ -92,7 +92,7 @@ tidy() {
 sanitizers() {
   cmake --preset asan >/dev/null
   ninja -C build/asan -j "$jobs" --quiet unit_tests || fail "the sanitized tests do not build"
-  ctest --test-dir build/asan --output-on-failure --parallel 2 --no-tests=error --label-regex '^(unit|property)$' ||
+  ctest --preset asan --no-tests=error --label-regex '^(unit|property)$' ||
     fail "a sanitized test failed: see above"
 }
 

@@ -31,10 +31,12 @@ struct Example {
   horizon::Problem problem;
 };
 
+/// Pair i by bit i; those beyond the bits have no force.
 std::vector<horizon::Side> enumerate(unsigned mode, int n_pairs) {
   std::vector<horizon::Side> zero;
   for (int i = 0; i < n_pairs; ++i) {
-    zero.push_back((mode >> i) & 1u ? horizon::Side::kGap : horizon::Side::kForce);
+    const bool gap = i < 32 && ((mode >> i) & 1u) != 0;
+    zero.push_back(gap ? horizon::Side::kGap : horizon::Side::kForce);
   }
   return zero;
 }
