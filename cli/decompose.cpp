@@ -1,12 +1,11 @@
 #include "cli/decompose.hpp"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <system_error>
-
-#include <stdlib.h>
 
 #include "cli/paths.hpp"
 #include "cli/program.hpp"

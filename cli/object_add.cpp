@@ -314,7 +314,7 @@ int add_object(const ObjectAddSettings& settings) {
   fmt::print("  lies on the table with the side that is down in the file, on\n");
   const model::SupportPoints support(object.object, 4);
   for (const auto& point : support.below(Eigen::Matrix3d::Identity())) {
-    looks.support.push_back(object.p_body_com + point.p_B - point.radius * Vector3d::UnitZ());
+    looks.support.emplace_back(object.p_body_com + point.p_B - point.radius * Vector3d::UnitZ());
     fmt::print("    {:.4g} {:.4g} {:.4g} mm\n", millimetres(point.p_B.x()),
                millimetres(point.p_B.y()), millimetres(point.p_B.z()));
   }

@@ -26,7 +26,7 @@ constexpr std::size_t kLongest = 1 << 16;  // a line
 
 Eigen::Vector3d vector(config::JsonReader& reader, const char* key, bool optional = false) {
   if (optional && !reader.has(key)) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d value = reader.vector(key, 3);
+  Eigen::Vector3d value = reader.vector(key, 3);
   if (value.cwiseAbs().maxCoeff() <= kFarthest) return value;
   throw config::ConfigError(
       fmt::format("{}: expected numbers in [{:g}, {:g}], got ({:g}, {:g}, {:g})", reader.place(key),
