@@ -1,10 +1,17 @@
 #pragma once
 // A rigid-body system with frictional contacts, linearised to an LCS [C3, section IV].
+#include <algorithm>
+
 #include <Eigen/Core>
 
 #include "controller/lcs/lcs.hpp"
 
 namespace c3rt::model {
+
+/// The gap of an end effector that pushes a body: what overlaps touches, no more. Overlap is an
+/// error of the body's size or of its measured pose. As a gap it would make every plan begin with
+/// the body leaping out of it, and no plan would push.
+inline double no_overlap(double distance) noexcept { return std::max(0.0, distance); }
 
 /// The multi-contact model (2)-(3) evaluated at (q*, v*, u*). n_c contacts, n_e edges of the
 /// friction cone each. Velocities v are the generalised velocities with q̇ = N_q v (a quaternion has

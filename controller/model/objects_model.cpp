@@ -285,7 +285,7 @@ class ObjectsModel final : public PlanningModel {
         nearest = j;
       }
     }
-    Contact contact{found.distance,
+    Contact contact{no_overlap(found.distance),
                     parameters_.friction_end_effector,
                     found.normal,
                     {},

@@ -140,7 +140,7 @@ class PushedBox final : public PlanningModel {
     box.shape = scene::Shape::box(parameters_.half_sizes);
     const scene::Gap found = scene::gap(effector, box);
     Contact contact;
-    contact.gap = found.distance;
+    contact.gap = no_overlap(found.distance);
     contact.mu = parameters_.friction_end_effector;
     contact.normal = found.normal;
     tangents(contact.normal, contact.t, contact.s);

@@ -27,7 +27,7 @@ constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where
 }  // namespace
 
 InteriorPointQp::InteriorPointQp(const Sizes& sizes)
-    : sizes_(sizes), direct_(make_direct_qp(sizes)), model_(sizes), active_(model_.rows()) {
+    : direct_(make_direct_qp(sizes)), model_(sizes), active_(model_.rows()) {
   z_kept_.setZero(sizes.n_z(), sizes.N);
   x_N_kept_.setZero(sizes.n_x);
 }

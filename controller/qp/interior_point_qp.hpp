@@ -52,7 +52,6 @@ class InteriorPointQp final : public QpStep {
   QpReport check(QpStatus status) noexcept;
   void collect_multipliers() noexcept;
 
-  Sizes sizes_;
   std::unique_ptr<QpStep> direct_;
   QpModel model_;
   ActiveSet active_;  // of the model's rows

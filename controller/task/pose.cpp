@@ -342,7 +342,7 @@ std::string Pose::refusal(const Limits& limits) const {
     return least.empty() ? outside(draw->at.max()) : least;
   }
   for (const PoseGoal& goal : goals) {
-    const std::string refused = outside(goal.at);
+    std::string refused = outside(goal.at);
     if (!refused.empty()) return refused;
   }
   return {};

@@ -405,7 +405,7 @@ class Sampling final : public Strategy {
         now.push_back(gains_[body] * values.at(values.size() == 1 ? 0 : of));
       }
     }
-    prepared_.push_back({bodies, costs_of(c3.problem(), weights_)});
+    prepared_.emplace_back(bodies, costs_of(c3.problem(), weights_));
     return prepared_.back().second;
   }
 

@@ -257,6 +257,24 @@ TEST_CASE("objects: gaps are those of their shapes, with the nearest object, poi
   }
 }
 
+TEST_CASE("objects: an end effector that overlaps a body touches it") {
+  const auto box =
+      make_pushed_box({1.0, kRadius, 0.5, Vector3d(0.05, 0.05, 0.03), kTableHeight, 0.5, 0.4});
+  const auto model = make_objects_model(parameters({object("box")}));
+  scene::Scene scene = model->layout().world;
+  scene.body(0).p_WB = Vector3d(0.5, 0.0, 0.01);
+  for (const double overlap : {0.008, 1e-6, 0.0, -0.008}) {
+    CAPTURE(overlap);
+    scene.effector.p_WE = Vector3d(0.45 - kRadius + overlap, 0.01, 0.01);
+    for (const PlanningModel* of : {box.get(), model.get()}) {
+      const ContactSystem system = of->contact_system(scene, {0});
+      CHECK(system.phi[0] == Approx(std::max(0.0, -overlap)).margin(1e-12));
+      // they come apart when the end effector goes back
+      CHECK((system.J_n.row(0).head(3) - Eigen::RowVector3d(-1.0, 0.0, 0.0)).norm() < 1e-9);
+    }
+  }
+}
+
 TEST_CASE("objects: lying flat, the support points are spread around the centre of mass") {
   for (const char* name : {"t", "box"}) {
     for (const int count : {3, 4}) {
