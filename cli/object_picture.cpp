@@ -8,6 +8,7 @@
 
 #include "cli/millimetres.hpp"
 #include "cli/report/gnuplot.hpp"
+#include "controller/planner/strategy/surface_samples.hpp"
 #include "controller/scene/shape.hpp"
 
 namespace c3rt::cli {
@@ -16,7 +17,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kWidth = 900, kHeight = 450;
-constexpr double kPushable = 0.3;                    // of a normal along the table
 constexpr double kAzimuth = 0.45, kElevation = 0.9;  // of the eye, from −y and from the table [rad]
 
 struct Face {
@@ -129,7 +129,9 @@ std::string panel(const ObjectPicture& picture, bool above) {
 
 }  // namespace
 
-bool can_be_pushed(const Vector3d& normal) { return normal.head<2>().norm() >= kPushable; }
+bool can_be_pushed(const Vector3d& normal) {
+  return normal.head<2>().norm() >= planner::kLeastAlongTable;
+}
 
 std::string draw_object(const std::filesystem::path& file, const ObjectPicture& picture) {
   const std::string title = picture.name + ": orange can be pushed on, dark squares are tags";

@@ -1,7 +1,6 @@
 #include "config/text.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "controller/base/words.hpp"
 
@@ -55,10 +54,6 @@ bool is_name(const std::string& text) {
          });
 }
 
-std::string text_of(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
+std::string text_of(double value) { return base::words("%g", value); }
 
 }  // namespace c3rt::config

@@ -72,6 +72,15 @@ struct Place {
   fs::path file;
 };
 
+/// Of an L in two pieces, beside the same as one part.
+void check_l(const mjcf::ObjectFile& two, const mjcf::ObjectFile& whole) {
+  CHECK((two.p_body_com - whole.p_body_com).norm() < 1e-8);
+  CHECK((two.object.inertia - whole.object.inertia).norm() < 1e-9);
+  // a point in the hollow is outside
+  const Vector3d hollow = Vector3d(0.08, 0.07, 0.02) - two.p_body_com;
+  CHECK(scene::nearest(two.object.shape(), hollow).distance == Approx(0.03).margin(1e-6));
+}
+
 }  // namespace
 
 TEST_CASE("object add: a block becomes an object of the mass, inertia and friction it has") {
@@ -135,11 +144,7 @@ TEST_CASE("object add: the objects of a file are convex pieces, with the inertia
   REQUIRE(whole.add("--mass 0.4 --name l").status == 0);
   const mjcf::ObjectFile two = place.object("l"), one = whole.object("l");
   CHECK(two.object.parts->parts.size() == 2);
-  CHECK((two.p_body_com - one.p_body_com).norm() < 1e-8);
-  CHECK((two.object.inertia - one.object.inertia).norm() < 1e-9);
-  // a point in the hollow is outside
-  const Vector3d hollow = Vector3d(0.08, 0.07, 0.02) - two.p_body_com;
-  CHECK(scene::nearest(two.object.shape(), hollow).distance == Approx(0.03).margin(1e-6));
+  check_l(two, one);
   CHECK(run("lcs inspect '" + (place.folder.path() / "l.xml").string() + "'").status == 0);
 }
 
@@ -238,10 +243,7 @@ TEST_CASE(
   CHECK(points == 12);
   const mjcf::ObjectFile two = place.object("l"), whole = place.object("whole");
   REQUIRE(two.object.parts->parts.size() == 2);
-  CHECK((two.p_body_com - whole.p_body_com).norm() < 1e-8);
-  CHECK((two.object.inertia - whole.object.inertia).norm() < 1e-9);
-  const Vector3d hollow = Vector3d(0.08, 0.07, 0.02) - two.p_body_com;
-  CHECK(scene::nearest(two.object.shape(), hollow).distance == Approx(0.03).margin(1e-6));
+  check_l(two, whole);
 }
 
 TEST_CASE("object add: what is convex already is not divided") {

@@ -10,7 +10,6 @@ constexpr double kFar = 2.0;          // the surface is looked at from here [m]
 constexpr int kTries = 12;            // points
 constexpr int kMoves = 12;            // of a point
 constexpr double kExact = 5e-4;       // of the clearance [m]
-constexpr double kFlat = 0.3;         // a normal that is nearer to the vertical moves nothing
 constexpr double kColumnStep = 0.01;  // [m]
 
 }  // namespace
@@ -75,7 +74,7 @@ std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int bod
       there = std::abs(too_far) < kExact;
       Eigen::Vector2d out = gap.normal.head<2>();
       // below a face that lies flat: outwards
-      out = out.norm() < kFlat ? about : Eigen::Vector2d(out.normalized());
+      out = out.norm() < kLeastAlongTable ? about : Eigen::Vector2d(out.normalized());
       if (!there) effector.p_WE.head<2>() -= too_far * out;
     }
     const Eigen::Vector2d at = effector.p_WE.head<2>();

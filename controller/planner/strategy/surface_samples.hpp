@@ -19,6 +19,9 @@ struct SampleRules {
   double reach_radius = std::numeric_limits<double>::infinity();
 };
 
+/// Of a normal along the table: one that looks further up or down moves nothing.
+constexpr double kLeastAlongTable = 0.3;
+
 /// From the nearest body to the end effector, if it were at this place.
 scene::Gap nearest_gap(const scene::Scene& scene, const Eigen::Vector3d& p_WE) noexcept;
 
