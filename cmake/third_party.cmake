@@ -21,6 +21,9 @@ find_library(APRILTAG apriltag REQUIRED)
 find_library(APRILTAG_UTILS apriltag-utils REQUIRED)
 find_package(pinocchio 3.4 REQUIRED)
 find_package(Boost REQUIRED COMPONENTS filesystem)
+if(BUILD_TESTING)
+  find_package(Catch2 2.13 REQUIRED)
+endif()
 
 # Third-party headers are not held to our warnings.
 function(c3rt_imported name)

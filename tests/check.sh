@@ -57,7 +57,7 @@ with_changes() {
 # one clang-tidy; what it says is shown whole, also what keeps it from reading a file, if there is anything
 tidy_one() {
   local said
-  said=$(clang-tidy -p build/release --quiet --warnings-as-errors='*' "$@" 2>&1) && return
+  said=$(clang-tidy -p "$tidy_folder" --quiet --warnings-as-errors='*' "$@" 2>&1) && return
   printf '%s\n' "$said" | sed '/^[0-9]* warnings\{0,1\} generated\.$/d' >&2
   return 1
 }
@@ -77,6 +77,11 @@ tidy() {
   elif (($#)); then
     files=("$@")
   fi
+  # the same commands without GCC's precompiled headers, which clang does not read: so every source is also read with what it
+  # includes itself and nothing else
+  export tidy_folder=build/tidy
+  mkdir -p "$tidy_folder"
+  sed -E 's/ -Winvalid-pch| -fpch-preprocess| -include [^ ]*cmake_pch\.hxx//g' "$compiled" >"$tidy_folder/compile_commands.json"
   local file
   for file in "${files[@]}"; do
     # clang-tidy would guess how to compile it
