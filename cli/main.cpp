@@ -19,8 +19,10 @@
 #include "cli/campaign/options.hpp"
 #include "cli/checks.hpp"
 #include "cli/client.hpp"
+#include "cli/doctor/options.hpp"
 #include "cli/examples.hpp"
 #include "cli/inspect.hpp"
+#include "cli/latency/options.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/look.hpp"
 #include "cli/object_add.hpp"
@@ -83,6 +85,7 @@ class CommandLine {
     app_.footer(cli::examples_text("") + "\n" + kExitStatus);
     app_.set_version_flag("--version", "c3rt " C3RT_VERSION);
     add_running();
+    add_machine();
     add_requests();
     add_faults();
     add_targets();
@@ -142,6 +145,17 @@ class CommandLine {
     add_seat(
         *command(app_, "status", "What runs, and how it is", [this] { return cli::status(seat_); }),
         seat_);
+  }
+
+  void add_machine() {
+    cli::doctor::add_options(*command(app_, "doctor", "What is missing, and what to do about it",
+                                      [this] { return cli::doctor::run(doctor_); }),
+                             doctor_);
+    cli::latency::add_options(
+        *command(app_, "latency",
+                 "What this machine can hold: wake-up, DDS, servo, image to torque",
+                 [this] { return cli::latency::run(latency_); }),
+        latency_);
   }
 
   void add_requests() {
@@ -505,6 +519,8 @@ class CommandLine {
   cli::campaign::Settings campaign_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
+  cli::doctor::Settings doctor_;
+  cli::latency::Settings latency_;
   cli::LookSettings look_;
   bool peers_ = false;
   std::string process_;

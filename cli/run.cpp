@@ -1,9 +1,7 @@
 #include "cli/run.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <memory>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +14,7 @@
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"
 #include "cli/table.hpp"
+#include "cli/watch.hpp"
 #include "idl/process.hpp"
 #include "plant_emulator/errors.hpp"
 #include "plant_emulator/pushes.hpp"
@@ -23,54 +22,9 @@
 namespace c3rt::cli {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr int kCyclesPerLook = 200;  // of a run in this process
-constexpr double kLongestSilence =
-    60.0;  // of the plant, while the others start or a tick is worked on [s]
 
-/// How a run ended before its goal.
-struct Ending {
-  bool interrupted = false;
-  std::string failed;   // one line: the process and how it ended
-  std::string details;  // with the end of its log
-};
-
-/// Watches until the goal is reached or something ends the run.
-Ending watch(Supervisor& supervisor, const Recorder& recorder, LiveTable& table) {
-  Ending ending;
-  std::uint64_t last_steps = 0;
-  double heard_at = wall_time();
-  while (!recorder.done()) {
-    if (wire::StopFlag::requested()) {
-      ending.interrupted = true;
-      break;
-    }
-    if (const auto end = supervisor.poll()) {
-      ending.failed = end->name + " " + end->reason;
-      ending.details = failure_text(*end);
-      break;
-    }
-    if (const std::string failure = recorder.failure(); !failure.empty()) {
-      ending.failed = ending.details = "recorder: " + failure;
-      break;
-    }
-    const Live live = recorder.live();
-    if (live.steps != last_steps) {
-      last_steps = live.steps;
-      heard_at = wall_time();
-    } else if (wall_time() - heard_at > kLongestSilence) {
-      ending.failed = ending.details =
-          fmt::format("plant: nothing was heard for {:.0f} s", kLongestSilence);
-      break;
-    }
-    table.update(live);
-    std::this_thread::sleep_for(kLook);
-  }
-  table.finish(recorder.live());
-  return ending;
-}
-
-/// The same with the nodes in this process.
+/// As watch(), with the nodes in this process.
 Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, LiveTable& table) {
   const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(
       (launch.out() / "logs" / "in-process.log").string(), true);
@@ -92,7 +46,6 @@ Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, Li
   } catch (const std::exception& error) {
     ending.failed = ending.details = error.what();
   }
-  table.finish(recorder.live());
   return ending;
 }
 
@@ -145,8 +98,11 @@ int run(const LaunchSettings& settings) {
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
       task.unit(), course_goal, scenario.task.duration_s);
   if (!settings.in_process) launch.start(supervisor, true);
-  const Ending ending = settings.in_process ? run_here(launch, settings.seed, recorder, table)
-                                            : watch(supervisor, recorder, table);
+  const Ending ending =
+      settings.in_process
+          ? run_here(launch, settings.seed, recorder, table)
+          : watch(supervisor, recorder, [&table](const Live& live) { table.update(live); });
+  table.finish(recorder.live());
   recorder.stop();
   const Live live = recorder.live();
   const std::vector<std::string> killed = supervisor.stop();

@@ -19,6 +19,10 @@ struct PeerEndpoint {
 /// All that are known now: those of a participant that has just been made are not yet.
 std::vector<PeerEndpoint> peer_endpoints(const Bus& bus);
 
+/// Readers and writers of other participants on our topics that can never be served by each other:
+/// other types, or QoS that does not fit.
+std::vector<PeerProblem> peer_disagreements(const Bus& bus);
+
 /// Of this host, as participants tell it.
 std::string host_name();
 

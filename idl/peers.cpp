@@ -112,6 +112,49 @@ std::vector<PeerEndpoint> peer_endpoints(const Bus& bus) {
   return result;
 }
 
+std::vector<PeerProblem> peer_disagreements(const Bus& bus) {
+  struct Known {
+    std::string topic, type, owner, participant;
+    QosPointer qos;
+  };
+  const Peers peers(bus.participant());
+  dds_guid_t own{};
+  dds_get_guid(bus.participant(), &own);
+  const auto known = [&](dds_entity_t topic) {
+    std::vector<Known> all;
+    const Entity reader = builtin_reader(bus.participant(), topic);
+    Loan<dds_builtintopic_endpoint_t>(reader.handle())
+        .each([&](const auto& peer, dds_instance_handle_t) {
+          const bool ours = with_topic(peer.topic_name, [](const auto&) {});
+          if (!ours || std::memcmp(peer.participant_key.v, own.v, sizeof own.v) == 0) return;
+          QosPointer qos(dds_create_qos());
+          dds_copy_qos(qos.get(), peer.qos);
+          all.push_back({peer.topic_name, peer.type_name, peers.name_of(peer.participant_key),
+                         std::string(reinterpret_cast<const char*>(peer.participant_key.v),
+                                     sizeof peer.participant_key.v),
+                         std::move(qos)});
+        });
+    return all;
+  };
+  const std::vector<Known> writers = known(DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
+                           readers = known(DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
+  std::vector<PeerProblem> result;
+  for (const Known& writer : writers) {
+    for (const Known& reader : readers) {
+      if (writer.topic != reader.topic || writer.participant == reader.participant) continue;
+      Disagreement difference{"has type " + writer.type, "has type " + reader.type};
+      if (writer.type == reader.type) {
+        if (!disagree(writer.qos.get(), reader.qos.get(), difference)) continue;
+        difference = {"offers " + difference.offered, "requests " + difference.requested};
+      }
+      result.push_back({writer.topic, writer.topic + ": the writer of " + writer.owner + " " +
+                                          difference.offered + ", the reader of " + reader.owner +
+                                          " " + difference.requested});
+    }
+  }
+  return result;
+}
+
 Peers::Peers(std::int32_t participant)
     : participant_(participant),
       publications_(builtin_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION)),

@@ -26,10 +26,9 @@ class Peers {
   /// Whose writer it is: "python3 (pid 12)", with the host where that is another one. From any
   /// thread.
   std::string name_of_writer(std::int32_t reader, std::uint64_t writer) const;
-
- private:
   std::string name_of(const dds_guid_t& participant) const;
 
+ private:
   std::int32_t participant_;
   Entity publications_, subscriptions_, participants_;
   // when a pair of endpoints was first seen compatible but unmatched: matching takes a moment

@@ -50,7 +50,9 @@ may(cli/campaign cli cli/report cli/example config controller/base)
 may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/base controller/scene controller/lcs
     controller/c3 controller/horizon controller/example controller/model controller/planner)
 may(cli/mesh controller/scene)
-may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh config idl controller/base controller/rt controller/task
+may(cli/doctor cli config idl)
+may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
+may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario

@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 #include <dds/dds.h>
 
+#include "idl/discovery.hpp"
 #include "idl/one_writer.hpp"
 #include "idl/replies.hpp"
 #include "tests/idl/bus_fixture.hpp"
@@ -674,6 +675,37 @@ TEST_CASE("Bus: a peer on a misspelt topic, in a partition or with ownership is 
              Catch::Contains("is in the partition left, this reader in no partition"));
   CHECK_THAT(text["plan"], Catch::Contains("offers EXCLUSIVE ownership, this reader requests "
                                            "SHARED ownership"));
+}
+
+TEST_CASE("Bus: a bystander tells which readers and writers of others can never serve each other") {
+  const test::Child one([] {
+    Bus bus(test::settings());
+    const Writer<RobotState> states(bus);  // best effort
+    const Writer<Plan> plans(bus);
+    sleep(30);
+    return 0;
+  });
+  const test::Child other([] {
+    Bus bus(test::settings());
+    dds_qos_t* reliable = dds_create_qos();
+    dds_qset_reliability(reliable, DDS_RELIABILITY_RELIABLE, 0);
+    dds_create_reader(bus.participant(),
+                      dds_create_topic(bus.participant(), topic<RobotState>().descriptor,
+                                       "robot/state", nullptr, nullptr),
+                      reliable, nullptr);
+    dds_delete_qos(reliable);
+    const Reader<Plan> plans(bus);
+    sleep(30);
+    return 0;
+  });
+  const Bus bus(test::settings());
+  std::vector<PeerProblem> found;
+  REQUIRE(eventually([&] { return !(found = peer_disagreements(bus)).empty(); }));
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].topic == "robot/state");
+  CHECK_THAT(found[0].text,
+             Catch::Contains("(pid " + std::to_string(one.pid()) + ") offers BEST_EFFORT") &&
+                 Catch::Contains("(pid " + std::to_string(other.pid()) + ") requests RELIABLE"));
 }
 
 TEST_CASE(
