@@ -14,6 +14,7 @@ namespace {
 
 // libfranka's limits of the average; 20 of the last 100 lost stop the robot when they are in a row
 constexpr double kGoodAverage = 0.95, kPoorAverage = 0.90, kLeast = 0.80;
+constexpr std::int64_t kWindow_ns = 100'000'000;  // of 100 commands
 // what c3rt promises of itself
 constexpr double kWakeupRatio = 1.2, kCompute_s = 100e-6, kMissedShare = 1e-4;
 // a reference that is later in a thousandth of its cycles leaves the servo half of its own
@@ -25,7 +26,7 @@ auto first_tracking(const Series& series) {
                       [](const CommandRow& row) { return row.tracking; });
 }
 
-std::string microseconds(double value_s) { return shown(1e6 * value_s, 3) + " µs"; }
+std::string microseconds(double value_s) { return fmt::format("{:.0f} µs", 1e6 * value_s); }
 
 std::vector<std::string> causes(const Measured& m) {
   std::vector<std::string> all;
@@ -42,7 +43,7 @@ std::vector<std::string> causes(const Measured& m) {
         shown(1e3 * base::seconds(longest_ns), 3)));
   }
   if (m.reference.p999 > kLateReference_s) {
-    all.push_back("the kernel woke the reference thread later than " +
+    all.push_back("the machine alone woke the reference threads later than " +
                   microseconds(m.reference.p999) + " in one of a thousand cycles");
   }
   if (m.missed.missed > m.missed.within_stalls) {
@@ -119,10 +120,12 @@ SuccessRate success_rate(const Series& series) {
   if (first == series.command.end()) return result;
   double sum = 0.0;
   for (const StateRow& state : series.state) {
-    if (state.time_ns < first->time_ns) continue;
+    if (state.time_ns < first->time_ns + kWindow_ns) continue;
     ++result.states;
     sum += state.success_rate;
-    result.minimum = std::fmin(result.minimum, state.success_rate);
+    if (result.minimum <= state.success_rate) continue;
+    result.minimum = state.success_rate;
+    result.minimum_ns = state.time_ns;
   }
   if (result.states > 0) result.average = sum / static_cast<double>(result.states);
   return result;
@@ -133,7 +136,8 @@ double MissedCycles::share_outside() const {
                      : static_cast<double>(missed - within_stalls) / static_cast<double>(cycles);
 }
 
-MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls) {
+MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls,
+                           std::int64_t from_ns) {
   MissedCycles result;
   const auto first = first_tracking(series);
   if (first == series.command.end()) return result;
@@ -143,7 +147,8 @@ MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stall
   std::sort(answered.begin(), answered.end());
   for (const StateRow& state : series.state) {
     // after the last answer the recording ends, not the servo
-    if (state.time_ns < first->time_ns || state.time_ns > answered.back()) continue;
+    if (state.time_ns < std::max(first->time_ns, from_ns) || state.time_ns > answered.back())
+      continue;
     ++result.cycles;
     if (std::binary_search(answered.begin(), answered.end(), state.time_ns)) continue;
     ++result.missed;
@@ -151,8 +156,11 @@ MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stall
     const auto near = std::lower_bound(
         stalls.begin(), stalls.end(), state.time_ns - kNearStall_ns,
         [](const Stall& stall, std::int64_t time_ns) { return stall.end_ns < time_ns; });
-    if (near != stalls.end() && near->begin_ns <= state.time_ns + kNearStall_ns)
+    if (near != stalls.end() && near->begin_ns <= state.time_ns + kNearStall_ns) {
       ++result.within_stalls;
+    } else {
+      result.outside_ns.push_back(state.time_ns);
+    }
   }
   return result;
 }

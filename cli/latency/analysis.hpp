@@ -35,18 +35,22 @@ constexpr std::int64_t kStall_ns = 500'000;
 std::vector<Stall> stalls(const std::vector<std::vector<Wakeup>>& threads);
 
 /// libfranka's control_command_success_rate, the share of the last 100 commands that came in their
-/// cycle, over the states from the first command that tracks.
+/// cycle, over the states from the first command that tracks, once 100 cycles lie behind it: at the
+/// start of a motion the share is one of fewer commands.
 struct SuccessRate {
   std::uint64_t states = 0;
   double average = kNone, minimum = kNone;
+  std::int64_t minimum_ns = 0;  // when it was lowest, for the first time
 };
 SuccessRate success_rate(const Series& series);
 
-/// Cycles of the robot that no command answered, from the first command that tracks.
+/// Cycles of the robot that no command answered, from the first command that tracks and since the
+/// reference threads watch.
 struct MissedCycles {
-  std::uint64_t cycles = 0;         // robot states
-  std::uint64_t missed = 0;         // that no command answers
-  std::uint64_t within_stalls = 0;  // of these, as far as a reference thread stalled then, too
+  std::uint64_t cycles = 0;              // robot states
+  std::uint64_t missed = 0;              // that no command answers
+  std::uint64_t within_stalls = 0;       // of these, as far as a reference thread stalled then, too
+  std::vector<std::int64_t> outside_ns;  // times of the others
   /// Of all cycles, those that were missed while every reference thread was punctual; kNone of none
   double share_outside() const;
 };
@@ -54,7 +58,9 @@ struct MissedCycles {
 /// one is over by then [ns]
 constexpr std::int64_t kNearStall_ns = 5'000'000;
 /// @param stalls in order of time
-MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls);
+/// @param from_ns when the reference threads began
+MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls,
+                           std::int64_t from_ns = 0);
 
 /// What the judgement looks at.
 struct Measured {

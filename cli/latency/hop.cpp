@@ -196,7 +196,8 @@ HopRecord measure_hops(const wire::BusSettings& settings, EchoProcess& echo, dou
     bench.measure();
   });
   while (!bench.done.load()) {
-    if (stop() || !echo.running()) bench.stop.store(true);
+    record.died = record.died || !echo.running();
+    if (stop() || record.died) bench.stop.store(true);
     shown(room == 0 ? 1.0
                     : static_cast<double>(bench.cycles.load()) / static_cast<double>(2 * room));
     std::this_thread::sleep_for(kLook);

@@ -36,6 +36,7 @@ struct HopRecord {
   std::vector<double> raw;    // the same types by Cyclone alone
   std::uint64_t sent = 0, lost = 0;
   bool answered = false;  // the other end was found
+  bool died = false;      // and was gone before the time was over
 };
 
 /// Begins the other end and sends both kinds in turn, one a millisecond, for so long or until

@@ -145,6 +145,7 @@ class Measurement {
         measure_hops(launch_.bus(), echo, kDds * settings_.duration, priority_, stopped,
                      [this](double share) { show(kAlone + kDds * share, "DDS there and back"); });
     if (stopped()) return;
+    if (record.died) throw ProcessFailure("latency: the other end of the ping has died");
     if (!record.answered)
       throw ProcessFailure("latency: the other end of the ping was not found on domain " +
                            std::to_string(launch_.bus().domain));
@@ -199,7 +200,8 @@ class Measurement {
                                std::move(times.exposure_to_torque)));
     measured.success = success_rate(series);
     measured.stalls = stalls(record.references);
-    measured.missed = missed_cycles(series, measured.stalls);
+    measured.missed = missed_cycles(series, measured.stalls,
+                                    record.loop.empty() ? 0 : record.loop.front().deadline_ns);
     std::uint64_t errors = 0;
     for (const StateRow& state : series.state) {
       if (state.reflex) errors |= state.errors;

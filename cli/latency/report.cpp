@@ -79,9 +79,13 @@ ordered_json to_json(const Report& report) {
   for (const Row& row : report.rows) times[row.key] = to_json(row.times);
   const Measured& m = report.measured;
   ordered_json stalls = ordered_json::array();
-  const std::int64_t start_ns = report.loop.empty() ? 0 : report.loop.front().deadline_ns;
+  const auto since_start = [&report](std::int64_t time_ns) {
+    return report.loop.empty() ? 0.0 : base::seconds(time_ns - report.loop.front().deadline_ns);
+  };
+  ordered_json outside = ordered_json::array();
+  for (const std::int64_t time_ns : m.missed.outside_ns) outside.push_back(since_start(time_ns));
   for (const Stall& stall : m.stalls) {
-    stalls.push_back({{"at_s", base::seconds(stall.begin_ns - start_ns)},
+    stalls.push_back({{"at_s", since_start(stall.begin_ns)},
                       {"duration_s", base::seconds(stall.end_ns - stall.begin_ns)}});
   }
   return {{"scenario", report.scenario},
@@ -98,12 +102,14 @@ ordered_json to_json(const Report& report) {
           {"success_rate",
            {{"states", m.success.states},
             {"average", number(m.success.average)},
-            {"minimum", number(m.success.minimum)}}},
+            {"minimum", number(m.success.minimum)},
+            {"minimum_at_s", since_start(m.success.minimum_ns)}}},
           {"missed_cycles",
            {{"cycles", m.missed.cycles},
             {"missed", m.missed.missed},
             {"within_stalls", m.missed.within_stalls},
-            {"share_outside", number(m.missed.share_outside())}}},
+            {"share_outside", number(m.missed.share_outside())},
+            {"outside_at_s", outside}}},
           {"stalls", stalls},
           {"reflexes", m.reflexes},
           {"verdict", report.judgement.good ? "good" : "not good"},

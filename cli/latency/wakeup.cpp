@@ -48,6 +48,26 @@ Wakeup bare_wait(std::int64_t& deadline_ns) noexcept {
 
 }  // namespace
 
+std::size_t measure_loop(std::vector<Wakeup>& room, std::int64_t first_ns,
+                         const std::atomic<bool>& stop) noexcept {
+  rt::PeriodicClock clock(kPeriod_ns, first_ns);
+  std::size_t count = 0;
+  while (count < room.size() && !stop.load(std::memory_order_relaxed)) {
+    const rt::Wakeup woke = clock.wait();
+    room[count++] = {woke.deadline_ns, woke.latency_ns};
+  }
+  return count;
+}
+
+std::size_t measure_reference(std::vector<Wakeup>& room, std::int64_t first_ns,
+                              const std::atomic<bool>& stop) noexcept {
+  std::int64_t at_ns = first_ns;
+  std::size_t count = 0;
+  while (count < room.size() && !stop.load(std::memory_order_relaxed))
+    room[count++] = bare_wait(at_ns);
+  return count;
+}
+
 /// One thread and what it has seen.
 struct WakeupProbe::Lane {
   int core = -1;  // of a reference; -1: the loop, anywhere
@@ -62,20 +82,8 @@ struct WakeupProbe::Lane {
     settings.fifo_priority = priority;
     if (core >= 0) settings.cpus = {core};
     refused = rt::setup_thread(settings);
-    measure(stop, first_ns);
-  }
-  void measure(const std::atomic<bool>& stop, std::int64_t first_ns) noexcept {
-    if (core < 0) {
-      rt::PeriodicClock clock(kPeriod_ns, first_ns);
-      while (count < wakeups.size() && !stop.load(std::memory_order_relaxed)) {
-        const rt::Wakeup woke = clock.wait();
-        wakeups[count++] = {woke.deadline_ns, woke.latency_ns};
-      }
-      return;
-    }
-    for (std::int64_t at_ns = first_ns;
-         count < wakeups.size() && !stop.load(std::memory_order_relaxed);)
-      wakeups[count++] = bare_wait(at_ns);
+    count = core < 0 ? measure_loop(wakeups, first_ns, stop)
+                     : measure_reference(wakeups, first_ns, stop);
   }
 };
 

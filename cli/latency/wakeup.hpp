@@ -1,6 +1,7 @@
 #pragma once
 // How late the kernel wakes periodic threads: our loop beside bare ones, at the same time.
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <thread>
@@ -9,6 +10,15 @@
 #include "cli/latency/analysis.hpp"
 
 namespace c3rt::cli::latency {
+
+/// Wakes every millisecond from first_ns on, paced as the servo's timer (rt::PeriodicClock) or by
+/// bare clock_nanosleep as cyclictest, until `room` is full or `stop`. RT: no heap, no lock, no
+/// throw.
+/// @return how many wake-ups were written
+std::size_t measure_loop(std::vector<Wakeup>& room, std::int64_t first_ns,
+                         const std::atomic<bool>& stop) noexcept;
+std::size_t measure_reference(std::vector<Wakeup>& room, std::int64_t first_ns,
+                              const std::atomic<bool>& stop) noexcept;
 
 /// What the threads have measured.
 struct WakeupRecord {

@@ -39,8 +39,8 @@ Measured quiet() {
   m.reference.p99 = 50e-6;
   m.reference.p999 = 90e-6;
   m.servo_compute.p99 = 40e-6;
-  m.success = {40'000, 0.999, 0.97};
-  m.missed = {40'000, 3, 0};
+  m.success = {40'000, 0.999, 0.97, 0};
+  m.missed = {40'000, 3, 0, {}};
   return m;
 }
 
@@ -83,18 +83,20 @@ TEST_CASE(
   CHECK(stalls({}).empty());
 }
 
-TEST_CASE("latency: the success rate counts from the first command that tracks") {
+TEST_CASE(
+    "latency: the success rate counts once 100 cycles lie behind the first command that tracks") {
   Series series = cycles(1000, [](int) { return false; });
   for (CommandRow& command : series.command) command.tracking = command.state_ns >= 500 * kMs;
   for (StateRow& state : series.state) {
-    // half before it tracks; then 0.9 once and else 1
-    state.success_rate = state.time_ns < 500 * kMs ? 0.5 : state.time_ns == 700 * kMs ? 0.9 : 1.0;
+    // half until 600 ms: of the few commands of a motion that has just begun; then 0.9 once, else 1
+    state.success_rate = state.time_ns <= 600 * kMs ? 0.5 : state.time_ns == 700 * kMs ? 0.9 : 1.0;
   }
   const SuccessRate rate = success_rate(series);
   // the first command is written 0.2 ms after the state of 500 ms
-  CHECK(rate.states == 499);
+  CHECK(rate.states == 399);
   CHECK(rate.minimum == 0.9);
-  CHECK(rate.average == Approx((498 * 1.0 + 0.9) / 499.0).epsilon(1e-12));
+  CHECK(rate.minimum_ns == 700 * kMs);
+  CHECK(rate.average == Approx((398 * 1.0 + 0.9) / 399.0).epsilon(1e-12));
   CHECK(success_rate(Series{}).states == 0);
   CHECK(std::isnan(success_rate(Series{}).average));
 }
@@ -108,8 +110,12 @@ TEST_CASE(
   CHECK(missed.cycles == 999);  // the first state lies before the first command
   CHECK(missed.missed == 11);
   CHECK(missed.within_stalls == 10);
+  CHECK(missed.outside_ns == std::vector<std::int64_t>{500 * kMs});
   CHECK(missed.share_outside() == Approx(1.0 / 999.0).epsilon(1e-12));
   CHECK(missed_cycles(series, {}).within_stalls == 0);
+  // nobody watched before
+  CHECK(missed_cycles(series, {}, 105 * kMs).missed == 6);
+  CHECK(missed_cycles(series, {}, 105 * kMs).cycles == 895);
   CHECK(std::isnan(missed_cycles(Series{}, {}).share_outside()));
 }
 
@@ -162,7 +168,7 @@ TEST_CASE("latency: a promise that is not kept is told, and does not make the ma
   Measured m = quiet();
   m.wakeup.p99 = 61e-6;
   m.servo_compute.p99 = 101e-6;
-  m.missed = {40'000, 25, 20};
+  m.missed = {40'000, 25, 20, {}};
   const Judgement judgement = judge(m);
   CHECK(judgement.good);
   CHECK_FALSE(met(judgement.program, "wakeup_p99_over_reference"));  // 1.22

@@ -1,4 +1,5 @@
 // The command as a person meets it, with small shells in the place of the four processes.
+#include <filesystem>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -34,5 +35,17 @@ TEST_CASE(
   const Outcome outcome = place.c3rt("latency circle_slow --duration 6" + place.start_options());
   CHECK(outcome.status == 3);
   CHECK_THAT(outcome.output, Contains("planner exited with status 7") && Contains("out of plans"));
+  CHECK(place.empty());
+}
+
+TEST_CASE("latency: Ctrl-C ends it at once, with status 1, no report and nothing left behind") {
+  const Place place(93);
+  const Outcome outcome = c3rt::support::outcome_of(
+      place.command("latency circle_slow --duration 60" + place.start_options()) +
+      " & until [ -d '" + (place.out() / "logs").string() +
+      "' ]; do sleep 0.05; done; kill -INT $!; wait $!");
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.output, Contains("interrupted, there is no report"));
+  CHECK_FALSE(std::filesystem::exists(place.out() / "latency.json"));
   CHECK(place.empty());
 }

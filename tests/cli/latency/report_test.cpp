@@ -29,8 +29,8 @@ Report report() {
   told.count = 5;
   told.p50 = 2e-5;
   report.rows.push_back({"servo_compute", kProcessStage, "servo compute", told, {}});
-  report.measured.success = {1000, 0.98, 0.9};
-  report.measured.missed = {1000, 4, 3};
+  report.measured.success = {1000, 0.98, 0.9, 100 * kMs};
+  report.measured.missed = {1000, 4, 3, {200 * kMs}};
   report.measured.stalls = {{50 * kMs, 62 * kMs}};
   for (int i = 0; i < 500; ++i) report.loop.push_back({i * kMs, 50'000});
   report.reference = report.loop;
@@ -47,6 +47,8 @@ TEST_CASE("latency.json has the quantiles of each time, and null for those that 
   CHECK(json["times_s"]["servo_compute"]["p50"] == 2e-5);
   CHECK(json["times_s"]["servo_compute"]["p99"].is_null());
   CHECK(json["success_rate"]["average"] == 0.98);
+  CHECK(json["success_rate"]["minimum_at_s"] == Approx(0.1));
+  CHECK(json["missed_cycles"]["outside_at_s"][0] == Approx(0.2));
   CHECK(json["missed_cycles"]["share_outside"] == Approx(1e-3));
   CHECK(json["stalls"][0]["at_s"] == Approx(0.05));
   CHECK(json["stalls"][0]["duration_s"] == Approx(0.012));

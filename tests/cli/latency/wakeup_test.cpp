@@ -5,6 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "controller/rt/periodic_clock.hpp"
+#include "tests/support/allocation_counter.hpp"
+
 using namespace c3rt::cli::latency;
 
 namespace {
@@ -21,6 +24,24 @@ bool on_a_grid(const std::vector<Wakeup>& wakeups) {
 }
 
 }  // namespace
+
+TEST_CASE("measuring a wake-up allocates nothing, and ends with its room or when it is told to") {
+  const std::atomic<bool> go_on{false}, stop{true};
+  for (const auto measure : {measure_loop, measure_reference}) {
+    std::vector<Wakeup> room(20);
+    std::size_t count = 0;
+    std::int64_t heap_calls = 0;
+    {
+      const c3rt::support::AllocationCounter heap;
+      count = measure(room, c3rt::rt::now_ns(), go_on);
+      heap_calls = heap.count();
+    }
+    CHECK(heap_calls == 0);
+    CHECK(count == room.size());
+    CHECK(on_a_grid(room));
+    CHECK(measure(room, c3rt::rt::now_ns(), stop) == 0);
+  }
+}
 
 TEST_CASE("WakeupProbe: loop and references wake on grids of 1 ms, never before their time") {
   WakeupProbe probe(0.3, 0);
