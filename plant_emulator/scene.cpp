@@ -11,6 +11,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "plant_emulator/box_collision.hpp"
+
 namespace c3rt::plant {
 namespace {
 
@@ -476,6 +478,7 @@ std::string installed_mesh_directory() {
 }
 
 Model compile_model(const std::string& mjcf) {
+  check_box_collisions();
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   constexpr const char* kName = "c3rt.xml";
