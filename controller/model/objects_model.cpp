@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -218,15 +219,27 @@ class ObjectsModel final : public PlanningModel {
         nearest = i;
       }
     }
-    // by how many others are nearer
+    // by how many others leave less room between them and it, along the line of their middles
     std::size_t count = 0;
-    const auto away = [&](int i) {
-      return (scene.body(i).p_WB - scene.body(nearest).p_WB).squaredNorm();
+    const auto reach = [&](int i, const Vector3d& direction) {
+      return scene::reach(object(i).shape(), scene.body(i).q_WB.conjugate() * direction);
+    };
+    std::array<double, kMostObjects> room{};
+    for (int i = 0; i < all; ++i) {
+      const Vector3d between = scene.body(i).p_WB - scene.body(nearest).p_WB;
+      const Vector3d direction = between.stableNormalized();
+      room[static_cast<std::size_t>(i)] =
+          i == nearest ? -std::numeric_limits<double>::infinity()
+                       : between.norm() - reach(nearest, direction) - reach(i, -direction);
+    }
+    const auto less = [&](int i, int j) {
+      const double of_i = room[static_cast<std::size_t>(i)],
+                   of_j = room[static_cast<std::size_t>(j)];
+      return of_i < of_j || (of_i == of_j && i < j);
     };
     for (int i = 0; i < all; ++i) {
       int nearer = 0;
-      for (int j = 0; j < all; ++j)
-        nearer += away(j) < away(i) || (away(j) == away(i) && j < i) ? 1 : 0;
+      for (int j = 0; j < all; ++j) nearer += less(j, i) ? 1 : 0;
       if (nearer < n_) order[count++] = i;
     }
     return order;
