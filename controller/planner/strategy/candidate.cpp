@@ -1,14 +1,22 @@
 #include "controller/planner/strategy/candidate.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "controller/lcs/servo.hpp"
 #include "controller/lcs/simulate.hpp"
+#include "controller/planner/strategy/reach.hpp"
 
 namespace c3rt::planner {
+namespace {
+
+constexpr double kPastReach = 5e-3;  // a trial ends not exactly where the body will [m]
+
+}  // namespace
 
 Candidate::Candidate(const Parameters& parameters, const ServoGains& servo)
     : c3_(parameters),
+      sampling_(parameters.sampling),
       reach_(parameters.approach.reach_min, parameters.approach.reach_max),
       lemke_(c3_.n_lambda()),
       N_(parameters.N),
@@ -43,15 +51,18 @@ void Candidate::set_costs(const c3::Costs& costs) {
   }
 }
 
-bool Candidate::leaves_reach() const {
-  for (const model::StateBlock& block : c3_.model().layout().x) {
-    if (block.body < 0 || block.size != 2) continue;  // where a body is in the plane
-    const auto outside = [&](int k) {
-      return reach_.exteriorDistance(Eigen::Vector2d(x_.col(k).segment<2>(block.start)));
-    };
-    if (outside(N_) > outside(0)) return true;
-  }
-  return false;
+bool Candidate::leaves_reach(const scene::Scene& from, const scene::Scene& wanted) const {
+  const std::vector<model::StateBlock>& blocks = c3_.model().layout().x;
+  return std::any_of(blocks.begin(), blocks.end(), [&](const model::StateBlock& block) {
+    if (block.body < 0 || block.size != 2) return false;  // where a body is in the plane
+    const int body = c3_.model().body(block.body, from);
+    const Eigen::Vector2d begin = x_.col(0).segment<2>(block.start);
+    const Eigen::Vector2d end = x_.col(N_).segment<2>(block.start);
+    if (reach_.exteriorDistance(end) > reach_.exteriorDistance(begin)) return true;
+    const BodyReach reach(sampling_, from.body(body), from.effector.radius);
+    const double asked_for = reach.beyond(wanted.body(body).p_WB.head<2>());
+    return reach.beyond(end) > std::max({0.0, reach.beyond(begin), asked_for}) + kPastReach;
+  });
 }
 
 Worth Candidate::worth(const c3::Costs& costs, const scene::Scene& from,
@@ -67,7 +78,7 @@ Worth Candidate::worth(const c3::Costs& costs, const scene::Scene& from,
   w_.noalias() = G_ * planned_;
   if (!lcs::simulate(closed_, c3_.x_hat(), w_, lemke_, x_, lambda_).ok() || !x_.allFinite())
     return worth;
-  if (leaves_reach()) return worth;
+  if (leaves_reach(from, desired.back())) return worth;
   const auto cost_of = [&](const auto& x, int k) {
     return (x - c3_.x_desired().col(k)).cwiseAbs2().dot(Q_);
   };

@@ -8,7 +8,7 @@ namespace c3rt::planner {
 /// The cost of the objects over the horizon. Costs of another scene or goal do not compare.
 struct Worth {
   // else the plan or its simulation has no answer, or a body is pushed to where the robot would
-  // hold, as it is out of reach
+  // hold, as it is out of reach, or from where the end effector could not bring it back
   bool known = false;
   double cost = 0.0;   // where the end effector tries the plan
   double still = 0.0;  // and where it touches nothing
@@ -37,9 +37,11 @@ class Candidate {
 
  private:
   void set_costs(const c3::Costs& costs);
-  bool leaves_reach() const;  // a body of the last trial
+  // a body of the last trial: to where the robot would hold, or farther out than it has to
+  bool leaves_reach(const scene::Scene& from, const scene::Scene& wanted) const;
 
   C3Controller c3_;
+  SamplingParameters sampling_;
   Eigen::AlignedBox2d reach_;  // of bodies, in W [m]
   int costs_ = -1;
   Eigen::VectorXd Q_;  // diagonal, of the objects alone

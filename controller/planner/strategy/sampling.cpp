@@ -28,6 +28,8 @@ constexpr double kOff = 0.015;     // what is at its goal is left by this [m]
 constexpr double kUnmoved = 0.99;  // a body with more left than this part has not come nearer
 // A body that is tilted by this is let go, before it falls onto another side [rad].
 constexpr double kTilted = 0.1;
+// What lies still and is promised nothing for so long, from where the end effector is, is left [s].
+constexpr double kPatience = 0.1;
 // An arm that comes no nearer to a place by this part within this time cannot reach it [s].
 constexpr double kArrivalPart = 0.02, kArrivalTime = 3.0;
 
@@ -65,6 +67,7 @@ struct State {
   int body = 0;                                      // beside which that is; it is worked on
   // when it came there: see left_of() [m²], and of the body which axis points upwards, in B
   double left_on_arrival = 0.0;
+  double promised = 0.0;  // when it was last worth something to be where it is [s]
   Eigen::Vector3d up_on_arrival = Eigen::Vector3d::UnitZ();
   // within its tolerances since it was within a part of them
   std::array<bool, scene::kMaxBodies> settled{};
@@ -281,6 +284,7 @@ class Sampling final : public Strategy {
         }
         // also where it is wedged: what it touches has to move
         s.headway.begin(input.now, left);
+        s.promised = input.now;
         s.left_on_arrival = left;
         s.up_on_arrival = now.scene.body(s.body).q_WB.conjugate() * Eigen::Vector3d::UnitZ();
         return Stage::kPush;
@@ -289,8 +293,10 @@ class Sampling final : public Strategy {
         // one body is finished before another, as a way between them takes time
         draw(now, {s.body}, of_.samples, &p_WE);
         // nor is it where there is no plan, or only one that pushes a body out of reach
-        const bool made =
-            s.headway.made(input.now, left) && s.here.known && !tilted(now.scene.body(s.body));
+        const scene::Body& body = now.scene.body(s.body);
+        if (rolls(body) || s.here.gain() > of_.margin * s.here.still) s.promised = input.now;
+        const bool made = s.headway.made(input.now, left) && s.here.known && !tilted(body) &&
+                          input.now - s.promised < kPatience;
         if (!made) s.places.fail(s.body, p_WE);
         const auto best = [&] { return s.places.best_of(s.body, p_WE, kApart); };
         const bool leaves = !made || (input.now - s.since >= of_.least_time && best() != nullptr &&
