@@ -187,7 +187,7 @@ HopRecord measure_hops(const wire::BusSettings& settings, EchoProcess& echo, dou
   LayerPing layer(bus);
   wire::RawPing raw(bus);
   const auto room =
-      static_cast<std::size_t>(static_cast<double>(base::nanoseconds(duration_s) / kPeriod_ns) / 2);
+      static_cast<std::size_t>(base::nanoseconds(duration_s) / (2 * kPeriod_ns));  // of each kind
   record.layer.reserve(room);
   record.raw.reserve(room);
   Bench bench{layer, raw, record, room};
