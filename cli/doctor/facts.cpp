@@ -37,7 +37,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kServoPriority = 80;  // of the shipped scenarios' servo threads
-constexpr double kListen = 1.5;     // for words of the processes [s]
+// for words of the processes: an instance that is known to be there is given more, since a busy
+// machine takes its time and a false alarm is worse [s]
+constexpr double kListen = 1.5, kListenToInstance = 5.0;
 // until a type that is defined differently is known to be: idl/peers
 constexpr auto kMatching = std::chrono::milliseconds(2200);
 
@@ -219,7 +221,7 @@ std::string text(const wire::RefusedSamples& refused) {
 
 /// The four by the words of service/status, and who else writes.
 void look_at_processes(wire::Bus& bus, Facts& facts) {
-  const Services services = listen(bus, kListen);
+  const Services services = listen(bus, facts.instance.empty() ? kListen : kListenToInstance);
   const std::vector<Neighbour> writers = neighbours(bus, kLookForNeighbours);
   for (ProcessFacts& process : facts.processes) {
     for (int i = 0; i < wire::kProcessCount; ++i) {
