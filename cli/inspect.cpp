@@ -164,12 +164,7 @@ void print_pairs(Inspected& of, const model::ContactSystem& system) {
                           ? model::ObjectsLayout::effector
                           : model::ObjectsLayout::position(contact.bodies.first);
     const Vector3d normal = system.J_n.row(row).segment<3>(first).transpose();
-    double gap = system.phi[row];
-    // for the model what overlaps touches
-    if (contact.bodies.first == model::ContactPair::kEndEffector && gap == 0.0) {
-      for (int body = 0; body < of.scene.body_count; ++body)
-        gap = std::min(gap, scene::gap(of.scene.effector, of.scene.body(body)).distance);
-    }
+    const double gap = system.distance[row];
     fmt::print("  {} ({} and {}): gap {:.4g} mm, normal {:.3f} {:.3f} {:.3f}, friction {:.3g}\n",
                contact.pair, name_of(of.scene, contact.bodies.first),
                name_of(of.scene, contact.bodies.second), gap / kMillimetre, rounded(normal.x()),

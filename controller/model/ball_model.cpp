@@ -2,10 +2,12 @@
 
 #include <cmath>
 
-#include "controller/model/cross_matrix.hpp"
+#include "controller/scene/cross_matrix.hpp"
 
 namespace c3rt::model {
 namespace {
+
+using scene::cross_matrix;
 
 constexpr double kGravity = 9.81;        // [m/s²]
 constexpr double kRollingInertia = 1.4;  // m + I / r² of a solid sphere, over m
@@ -128,6 +130,7 @@ ContactSystem ball_contact_system(const BallModelParameters& parameters, const s
     system.J_n.row(i) = contact.normal.transpose() * contact.relative_velocity;
     fill_edges(system.J_t.middleRows(i * L::n_e, L::n_e), contact);
   }
+  system.distance = system.phi;
   return system;
 }
 

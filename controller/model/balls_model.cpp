@@ -118,6 +118,7 @@ ContactSystem balls_contact_system(const BallsModelParameters& parameters,
     edges.row(2) = s.transpose() * relative_velocity;
     edges.row(3) = -edges.row(2);
   }
+  system.distance = system.phi;
   return system;
 }
 

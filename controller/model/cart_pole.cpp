@@ -29,7 +29,7 @@ ContactSystem cart_pole_system(const CartPoleParameters& parameters) {
   system.J_f_v = Eigen::Matrix2d::Zero();
   system.J_f_u = system.M_inverse.col(0);
   system.d_v = Eigen::Vector2d::Zero();
-  system.phi = Eigen::Vector2d(d, d);
+  system.phi = system.distance = Eigen::Vector2d(d, d);
   system.J_n.resize(2, 2);
   system.J_n << -1.0, l_p, 1.0, -l_p;
   system.J_t.resize(0, 2);

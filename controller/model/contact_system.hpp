@@ -25,8 +25,10 @@ struct ContactSystem {
   Eigen::MatrixXd J_f_u;      // (n_v × n_u)
   Eigen::VectorXd d_v;        // f(q*,v*,u*) − J_f [q*; v*; u*] (n_v)
   Eigen::MatrixXd M_inverse;  // (n_v × n_v)
-  Eigen::VectorXd phi;        // gap of each contact (n_c) [m]
-  Eigen::MatrixXd J_n;        // φ̇ = J_n v (n_c × n_v)
+  Eigen::VectorXd phi;        // gap of each contact, as the model counts it (n_c) [m]
+  // between the surfaces, negative where they overlap (n_c) [m]: phi but for `no_overlap`
+  Eigen::VectorXd distance;
+  Eigen::MatrixXd J_n;  // φ̇ = J_n v (n_c × n_v)
   Eigen::MatrixXd J_t;  // tangential speed along each edge, contact by contact (n_c n_e × n_v)
   Eigen::VectorXd mu;   // (n_c)
 

@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include "controller/model/ball_model.hpp"
-#include "controller/model/cross_matrix.hpp"
 #include "controller/model/support_points.hpp"
+#include "controller/scene/cross_matrix.hpp"
 #include "controller/scene/distance.hpp"
 
 namespace c3rt::model {
@@ -19,6 +19,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using scene::cross_matrix;
 using L = ObjectsLayout;
 
 constexpr double kGravity = 9.81;  // [m/s²]
@@ -76,7 +77,7 @@ Layout objects_layout(const ObjectsParameters& parameters,
 
 /// How a contact's first body moves relative to its second: v_1 + ω_1 × r_1 − v_2 − ω_2 × r_2.
 struct Contact {
-  double gap, mu;
+  double distance, mu;
   Vector3d normal, t, s;
   int first, second;           // bodies by ContactPair's words
   Vector3d r_first, r_second;  // from their origins to the point, in W
@@ -176,12 +177,15 @@ class ObjectsModel final : public PlanningModel {
     }
     const auto n_c = static_cast<Eigen::Index>(contacts.size());
     system.phi.resize(n_c);
+    system.distance.resize(n_c);
     system.mu.resize(n_c);
     system.J_n.setZero(n_c, n_v);
     system.J_t.setZero(n_c * L::n_e, n_v);
     for (Eigen::Index i = 0; i < n_c; ++i) {
       const Contact contact = at(contacts[static_cast<std::size_t>(i)], now);
-      system.phi[i] = contact.gap;
+      system.distance[i] = contact.distance;
+      system.phi[i] =
+          contact.first == kEndEffector ? no_overlap(contact.distance) : contact.distance;
       system.mu[i] = contact.mu;
       const Eigen::Index edges = i * L::n_e;
       add_row(contact, contact.normal, system.J_n.row(i));
@@ -298,7 +302,7 @@ class ObjectsModel final : public PlanningModel {
         nearest = j;
       }
     }
-    Contact contact{no_overlap(found.distance),
+    Contact contact{found.distance,
                     parameters_.friction_end_effector,
                     found.normal,
                     {},

@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "controller/model/ball_model.hpp"
-#include "controller/model/cross_matrix.hpp"
+#include "controller/scene/cross_matrix.hpp"
 
 namespace c3rt::model {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using scene::cross_matrix;
 using L = PushedBoxLayout;
 
 constexpr double kGravity = 9.81;  // [m/s²]
@@ -46,7 +47,7 @@ Layout pushed_box_layout(const PushedBoxParameters& parameters) {
 
 /// The map from v to the velocity of a contact's first body relative to the second.
 struct Contact {
-  double gap, mu;
+  double distance, mu;
   Vector3d normal, t, s;
   Eigen::Matrix<double, 3, L::n_v> relative_velocity;
 };
@@ -115,13 +116,15 @@ class PushedBox final : public PlanningModel {
 
     const auto n_c = static_cast<Eigen::Index>(contacts.size());
     system.phi.resize(n_c);
+    system.distance.resize(n_c);
     system.mu.resize(n_c);
     system.J_n.resize(n_c, L::n_v);
     system.J_t.resize(n_c * L::n_e, L::n_v);
     for (Eigen::Index i = 0; i < n_c; ++i) {
       const int chosen = contacts[static_cast<std::size_t>(i)];
       const Contact contact = chosen == 0 ? with_effector(scene) : with_table(box, R, chosen - 1);
-      system.phi[i] = contact.gap;
+      system.distance[i] = contact.distance;
+      system.phi[i] = chosen == 0 ? no_overlap(contact.distance) : contact.distance;
       system.mu[i] = contact.mu;
       system.J_n.row(i) = contact.normal.transpose() * contact.relative_velocity;
       auto edges = system.J_t.middleRows<L::n_e>(i * L::n_e);
@@ -140,7 +143,7 @@ class PushedBox final : public PlanningModel {
     box.shape = scene::Shape::box(parameters_.half_sizes);
     const scene::Gap found = scene::gap(effector, box);
     Contact contact;
-    contact.gap = no_overlap(found.distance);
+    contact.distance = found.distance;
     contact.mu = parameters_.friction_end_effector;
     contact.normal = found.normal;
     tangents(contact.normal, contact.t, contact.s);
@@ -158,7 +161,7 @@ class PushedBox final : public PlanningModel {
     const Vector3d arm = R * signs.cwiseProduct(parameters_.half_sizes);
     const double turned = corner * M_PI / 8.0;
     Contact contact;
-    contact.gap = box.p_WB.z() + arm.z() - parameters_.table_height;
+    contact.distance = box.p_WB.z() + arm.z() - parameters_.table_height;
     contact.mu = parameters_.friction_table;
     contact.normal = Vector3d::UnitZ();
     contact.t << std::cos(turned), std::sin(turned), 0.0;

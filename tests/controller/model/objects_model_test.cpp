@@ -269,6 +269,7 @@ TEST_CASE("objects: an end effector that overlaps a body touches it") {
     for (const PlanningModel* of : {box.get(), model.get()}) {
       const ContactSystem system = of->contact_system(scene, {0});
       CHECK(system.phi[0] == Approx(std::max(0.0, -overlap)).margin(1e-12));
+      CHECK(system.distance[0] == Approx(-overlap).margin(1e-12));
       // they come apart when the end effector goes back
       CHECK((system.J_n.row(0).head(3) - Eigen::RowVector3d(-1.0, 0.0, 0.0)).norm() < 1e-9);
     }

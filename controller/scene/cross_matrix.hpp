@@ -1,8 +1,8 @@
 #pragma once
-// The cross product as a matrix, for models of bodies that turn.
+// The cross product as a matrix, for bodies that turn.
 #include <Eigen/Core>
 
-namespace c3rt::model {
+namespace c3rt::scene {
 
 /// [a]: [a] b = a × b.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
@@ -11,4 +11,4 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   return result;
 }
 
-}  // namespace c3rt::model
+}  // namespace c3rt::scene
