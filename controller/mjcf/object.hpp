@@ -1,18 +1,12 @@
 #pragma once
 // A rigid object from its MuJoCo model (MJCF), compiled by MuJoCo itself.
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "controller/mjcf/error.hpp"
 #include "controller/scene/object.hpp"
 
 namespace c3rt::mjcf {
-
-/// The message names the file, what it has that cannot be used, and what was expected.
-class Error : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct ObjectFile {
   scene::Object object;
