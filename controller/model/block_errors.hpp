@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "controller/model/contact_model.hpp"
+#include "controller/model/mechanism_model.hpp"
 #include "controller/model/planning_model.hpp"
 
 namespace c3rt::model {
@@ -25,5 +26,8 @@ scene::Scene moved(const scene::Scene& scene, const Eigen::VectorXd& v, double t
 /// @param dt time step Δt [s]
 BlockErrors block_errors(const PlanningModel& model, ContactModel contact_model,
                          const scene::Scene& scene, const std::vector<int>& contacts, double dt);
+/// The same of a mechanism: v⁺ with f, M and all contact Jacobians at x, then every coordinate
+/// moves with v⁺ for Δt, rotations on SO(3).
+BlockErrors block_errors(const MechanismModel& model, const Eigen::VectorXd& x, double dt);
 
 }  // namespace c3rt::model

@@ -6,6 +6,7 @@
 #include "controller/model/balls_model.hpp"
 #include "controller/model/cart_pole.hpp"
 #include "controller/model/finger_gaiting.hpp"
+#include "controller/model/mechanism_model.hpp"
 #include "controller/model/objects_model.hpp"
 #include "controller/model/pivoting.hpp"
 #include "controller/model/pushed_box.hpp"
@@ -37,7 +38,7 @@ const ModelKind& model_kind(const std::string& name) {
 
 const std::vector<SystemKind>& system_kinds() {
   static const std::vector<SystemKind> kinds{cart_pole_kind(), finger_gaiting_kind(),
-                                             pivoting_kind()};
+                                             mechanism_kind(), pivoting_kind()};
   return kinds;
 }
 

@@ -7,20 +7,23 @@
 #include <utility>
 #include <vector>
 
+#include "controller/model/between.hpp"
 #include "controller/model/planning_model.hpp"
 #include "controller/model/system_model.hpp"
+#include "controller/scene/mechanism.hpp"
 #include "controller/scene/object.hpp"
 
 namespace c3rt::model {
 
 /// One thing that a model is made from, as a scenario names it, and what it may be: a number, one
-/// of several words, or the objects' files.
+/// of several words, or files.
 struct ModelKey {
   std::string name;
   double min = 0.0, max = 0.0;
   std::vector<std::string> choices = {};  // where it names one of these: its value is the index
   std::optional<double> missing = {};     // its value where a scenario does not name it
   bool names_objects = false;             // MJCF files, one for all bodies or one for each
+  bool names_mechanism = false;           // the MJCF file of all, and which contacts it has
 };
 
 /// What a scenario says, by keys.
@@ -30,12 +33,21 @@ class ModelValues {
   void set_objects(std::vector<scene::Object> objects) { objects_ = std::move(objects); }
   /// @throws std::out_of_range naming a key that is not there
   double operator[](const std::string& key) const;
+  void set_mechanism(std::shared_ptr<scene::Mechanism> mechanism, std::vector<Between> contacts) {
+    mechanism_ = std::move(mechanism);
+    contacts_ = std::move(contacts);
+  }
   /// Of the key that names them, one for each body.
   const std::vector<scene::Object>& objects() const noexcept { return objects_; }
+  /// Of the key that names it; null without one.
+  const std::shared_ptr<scene::Mechanism>& mechanism() const noexcept { return mechanism_; }
+  const std::vector<Between>& contacts() const noexcept { return contacts_; }
 
  private:
   std::map<std::string, double> values_;
   std::vector<scene::Object> objects_;
+  std::shared_ptr<scene::Mechanism> mechanism_;
+  std::vector<Between> contacts_;
 };
 
 struct ModelKind {
