@@ -156,6 +156,15 @@ CLI::Validator one_of(std::vector<std::string> words) {
       known);
 }
 
+CLI::Validator one_of_or_list(std::vector<std::string> words) {
+  const CLI::Validator word = one_of(words);
+  return CLI::Validator(
+      [word](std::string& input) {
+        return input.find(',') == std::string::npos ? word(input) : std::string();
+      },
+      joined(words));
+}
+
 std::string nearest(const std::string& word, const std::vector<std::string>& words) {
   std::string best;
   if (word.size() > 64) return best;

@@ -16,6 +16,9 @@ CLI::Validator number(double min, double max);
 /// One of these words; the error suggests the nearest.
 CLI::Validator one_of(std::vector<std::string> words);
 
+/// The same, or what has a comma in it, which is looked at where it is read.
+CLI::Validator one_of_or_list(std::vector<std::string> words);
+
 /// The word that a mistyped one most likely means; "" if none is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& words);
 

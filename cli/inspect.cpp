@@ -1,28 +1,27 @@
 #include "cli/inspect.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <memory>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
+#include "cli/inspect_mechanism.hpp"
+#include "cli/inspect_report.hpp"
 #include "cli/millimetres.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "controller/lcs/lcs.hpp"
+#include "controller/mjcf/mechanism.hpp"
 #include "controller/mjcf/object.hpp"
 #include "controller/model/block_errors.hpp"
 #include "controller/model/objects_model.hpp"
 #include "controller/model/support_points.hpp"
-#include "controller/scene/distance.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -41,10 +40,6 @@ struct Inspected {
   std::vector<int> contacts;
   std::vector<std::string> warnings;
 };
-
-double extent(const scene::Object& object, const Vector3d& along) {
-  return scene::reach(object.shape(), along) + scene::reach(object.shape(), -along);
-}
 
 /// The objects lying side by side on a table at height 0, the end effector beside the first.
 scene::Scene lying(const model::PlanningModel& model, const std::vector<mjcf::ObjectFile>& files,
@@ -69,77 +64,6 @@ scene::Scene lying(const model::PlanningModel& model, const std::vector<mjcf::Ob
     scene.effector.p_WE.x() += scene::gap(scene.effector, first).distance - kEffectorGap;
   return scene;
 }
-
-std::string describe(const scene::Shape& shape) {
-  const auto mm = [](double length) { return length / kMillimetre; };
-  switch (shape.kind) {
-    case scene::ShapeKind::kSphere:
-      return fmt::format("sphere of radius {:.4g} mm", mm(shape.radius));
-    case scene::ShapeKind::kBox:
-      return fmt::format("box of {:.4g} x {:.4g} x {:.4g} mm", mm(2 * shape.half_sizes.x()),
-                         mm(2 * shape.half_sizes.y()), mm(2 * shape.half_sizes.z()));
-    case scene::ShapeKind::kCapsule:
-    case scene::ShapeKind::kCylinder:
-      return fmt::format("{} of radius {:.4g} mm and {} {:.4g} mm",
-                         shape.kind == scene::ShapeKind::kCapsule ? "capsule" : "cylinder",
-                         mm(shape.radius),
-                         shape.kind == scene::ShapeKind::kCapsule ? "straight part" : "length",
-                         mm(2 * shape.half_length));
-    case scene::ShapeKind::kConvexMesh:
-      return fmt::format("convex hull of {} corners and {} faces", shape.mesh->vertices().size(),
-                         shape.mesh->faces().size());
-    case scene::ShapeKind::kUnion:
-      break;
-  }
-  return "several parts";
-}
-
-void print_bodies(Inspected& of) {
-  fmt::print("bodies\n");
-  for (const mjcf::ObjectFile& file : of.files) {
-    const scene::Object& object = file.object;
-    const Vector3d principal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(object.inertia).eigenvalues();
-    fmt::print(
-        "  {}: mass {:.4g} kg, principal inertia {:.3g} {:.3g} {:.3g} kg m2, friction {:.3g}, "
-        "{:.4g} x {:.4g} x {:.4g} mm\n",
-        object.name, object.mass, principal[0], principal[1], principal[2], object.friction,
-        extent(object, Vector3d::UnitX()) / kMillimetre,
-        extent(object, Vector3d::UnitY()) / kMillimetre,
-        extent(object, Vector3d::UnitZ()) / kMillimetre);
-    for (const scene::Part& part : object.parts->parts) {
-      fmt::print("    {} at {:.4g} {:.4g} {:.4g} mm from the centre of mass\n",
-                 describe(part.shape), millimetres(part.p_BP.x()), millimetres(part.p_BP.y()),
-                 millimetres(part.p_BP.z()));
-    }
-    for (const std::string& note : file.notes) of.warnings.push_back(object.name + ": " + note);
-    // a rod along its own axis, say: Euler's equation has no answer to a turn about it
-    if (principal[0] < 1e-9 * principal[2])
-      of.warnings.push_back(object.name + ": one principal inertia is next to nothing");
-  }
-}
-
-/// Of two parts MuJoCo adds up the masses, whether they overlap or not.
-void warn_of_overlap(Inspected& of) {
-  for (const mjcf::ObjectFile& file : of.files) {
-    const std::vector<scene::Part>& parts = file.object.parts->parts;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      for (std::size_t j = i + 1; j < parts.size(); ++j) {
-        const double gap = scene::separation(parts[i].shape, {parts[i].p_BP, parts[i].R_BP},
-                                             parts[j].shape, {parts[j].p_BP, parts[j].R_BP})
-                               .distance;
-        if (gap >= -0.1 * kMillimetre) continue;
-        of.warnings.push_back(fmt::format(
-            "{}: its parts {} and {} overlap by {:.3g} mm: unless the file gives the inertia, what "
-            "they share has been weighed twice",
-            file.object.name, i + 1, j + 1, -gap / kMillimetre));
-      }
-    }
-  }
-}
-
-/// So that no -0.000 is printed.
-double rounded(double value) { return std::round(1e3 * value) / 1e3 + 0.0; }
 
 std::string name_of(const scene::Scene& scene, int body) {
   if (body == model::ContactPair::kEndEffector) return "end effector";
@@ -178,41 +102,13 @@ void print_pairs(Inspected& of, const model::ContactSystem& system) {
   }
 }
 
-void print_conditioning(const lcs::Lcs& lcs) {
-  const VectorXd of_F = Eigen::JacobiSVD<MatrixXd>(lcs.F).singularValues();
-  const auto rank = [](const VectorXd& values) {
-    return (values.array() > 1e-9 * values[0]).count();
-  };
-  const Eigen::Index n_F = rank(of_F);
-  const double symmetric = (lcs.F - lcs.F.transpose()).cwiseAbs().maxCoeff();
-  const double least =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(0.5 * (lcs.F + lcs.F.transpose())).eigenvalues()[0];
-  fmt::print("conditioning\n  F: rank {} of {}, singular values {:.3g} to {:.3g}, {}\n", n_F,
-             lcs.F.rows(), of_F[n_F - 1], of_F[0],
-             symmetric > 1e-12 * of_F[0] ? "not symmetric"
-             : least > -1e-9 * of_F[0]   ? "symmetric, positive semidefinite"
-                                         : "symmetric, indefinite");
-  const double scale = lcs::force_scale(lcs);
-  lcs::Lcs scaled = lcs;
-  lcs::scale_forces(scaled, scale);
-  MatrixXd ABD(lcs.A.rows(), lcs.A.cols() + lcs.B.cols() + lcs.D.cols());
-  ABD << scaled.A, scaled.B, scaled.D;
-  const VectorXd of_ABD = Eigen::JacobiSVD<MatrixXd>(ABD).singularValues();
-  fmt::print("  scaled by {:.3g}: |D| {:.3g} beside |A| {:.3g}, [A B D] from {:.3g} to {:.3g}\n",
-             scale, scaled.D.norm(), scaled.A.norm(), of_ABD[rank(of_ABD) - 1], of_ABD[0]);
-}
-
 void print_errors(Inspected& of, model::ContactModel contact_model, double step) {
-  fmt::print(
-      "error of each block against finite differences of the step (relative; d and c: of x "
-      "and eta)\n  {:<34}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
-      "", "A", "B", "D", "d", "E", "F", "H", "c");
-  const auto row = [&](const char* name, const scene::Scene& scene) {
-    const model::BlockErrors e =
+  print_error_heading();
+  const auto row = [&](const std::string& name, const scene::Scene& scene) {
+    const model::BlockErrors errors =
         model::block_errors(*of.model, contact_model, scene, of.contacts, step);
-    fmt::print("  {:<34}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}\n", name,
-               e.A, e.B, e.D, e.d, e.E, e.F, e.H, e.c);
-    return e;
+    print_error_row(name, errors);
+    return errors;
   };
   const model::BlockErrors resting = row("at rest", of.scene);
   scene::Scene moving = of.scene;
@@ -221,31 +117,8 @@ void print_errors(Inspected& of, model::ContactModel contact_model, double step)
     moving.body(i).omega_WB << 0.0, 0.0, kTurn;
   }
   const model::BlockErrors turning =
-      row(fmt::format("at {:g} m/s and {:g} rad/s", kSpeed, kTurn).c_str(), moving);
-  if (resting.E > 0.05) {
-    of.warnings.push_back(fmt::format(
-        "E is off by {:.0f} % at rest: the LCS holds normals and lever arms still while an object "
-        "turns; linearise anew every period",
-        100.0 * resting.E));
-  }
-  if (turning.A > 0.1)
-    of.warnings.emplace_back("A is off by more than 10 % where it turns: a shorter step is nearer");
-}
-
-nlohmann::json to_json(const MatrixXd& matrix) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    nlohmann::json row = nlohmann::json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-nlohmann::json to_json(const VectorXd& vector) {
-  nlohmann::json values = nlohmann::json::array();
-  for (const double value : vector) values.push_back(value);
-  return values;
+      row(fmt::format("at {:g} m/s and {:g} rad/s", kSpeed, kTurn), moving);
+  warn_of_errors(resting, turning, of.warnings);
 }
 
 /// What push tasks weigh, by block (docs/objects.md).
@@ -268,44 +141,23 @@ std::string problem_of(const Inspected& of, const lcs::Lcs& lcs) {
     Q.segment(block.start, block.size).setConstant(weight_of(block.name));
     if (block.name == "object_xy") wanted[block.start] += 0.1;
   }
-  const MatrixXd of_x = Q.asDiagonal();
-  const nlohmann::json problem{
-      {"schema", "c3-problem-1"},
-      {"lcs",
-       {{"A", to_json(lcs.A)},
-        {"B", to_json(lcs.B)},
-        {"D", to_json(lcs.D)},
-        {"d", to_json(lcs.d)},
-        {"E", to_json(lcs.E)},
-        {"F", to_json(lcs.F)},
-        {"H", to_json(lcs.H)},
-        {"c", to_json(lcs.c)}}},
-      {"x0", to_json(x0)},
-      {"projection", "C3+"},
-      {"params",
-       {{"N", 10},
-        {"s", 2},
-        {"rho", 1.0},
-        {"rho_s", 3.0},
-        {"Q", to_json(of_x)},
-        {"R", to_json(MatrixXd(1e-5 * MatrixXd::Identity(layout.n_u, layout.n_u)))},
-        {"QN", to_json(of_x)},
-        {"xd", to_json(wanted)},
-        {"delta0", "x0"},
-        {"u_lambda", 10.0},
-        {"u_eta", 1.0},
-        {"g_lambda", 0.1},
-        {"g_eta", 0.01}}}};
-  return problem.dump(1) + "\n";
+  const VectorXd any = VectorXd::Constant(layout.n_u, std::numeric_limits<double>::infinity());
+  return problem_file(lcs, x0, Q, wanted, -any, any);
 }
 
-}  // namespace
-
-std::vector<std::string> inspect_pairs() {
-  return {"end_effector_object", "object_table", "object_object"};
+/// What is said of a model with motors, and of no other.
+void refuse_of_mechanism(const InspectSettings& settings) {
+  for (const std::string& pair : settings.pairs) {
+    if (pair.find(',') != std::string::npos)
+      throw UsageError("--pairs: expected pairs of a model without motors, one of " +
+                       fmt::format("{}", fmt::join(inspect_pairs(), ", ")) + ", got " + pair);
+  }
+  if (settings.directions || !settings.across.empty())
+    throw UsageError("--directions and --across: expected a model with motors, got objects alone");
 }
 
-int inspect(const InspectSettings& settings) {
+int inspect_objects(const InspectSettings& settings) {
+  refuse_of_mechanism(settings);
   Inspected of;
   model::ObjectsParameters parameters{kEffectorMass,           kEffectorRadius, 0.0,
                                       kFrictionEffector,       kFrictionTable,  kFrictionObjects,
@@ -338,8 +190,12 @@ int inspect(const InspectSettings& settings) {
                                  : model::ContactModel::kAnitescu;
   const model::ContactSystem system = of.model->contact_system(of.scene, of.contacts);
   const lcs::Lcs lcs = model::to_lcs(contact_model, system, settings.step);
-  print_bodies(of);
-  warn_of_overlap(of);
+  fmt::print("bodies\n");
+  for (const mjcf::ObjectFile& file : of.files) {
+    print_object(file.object, of.warnings);
+    for (const std::string& note : file.notes)
+      of.warnings.push_back(file.object.name + ": " + note);
+  }
   print_pairs(of, system);
   fmt::print(
       "sizes\n  n_x {}, n_u {}, n_lambda {}: {}, {} contacts with {} edges each, step {:g} s\n",
@@ -358,14 +214,29 @@ int inspect(const InspectSettings& settings) {
   of.warnings.emplace_back(
       "a plan that believes its object larger than it is waits for contact that is not there: "
       "keep the model true or up to 3 % smaller (model.size_scale)");
-  fmt::print("mind\n");
-  for (const std::string& warning : of.warnings) fmt::print("  - {}\n", warning);
+  print_warnings(of.warnings);
   if (!settings.out.empty()) {
     write_text(settings.out, problem_of(of, lcs));
     fmt::print("written: {}: C3+ on this LCS, every object 0.1 m along x (c3rt solve {})\n",
                settings.out, settings.out);
   }
   return kDone;
+}
+
+}  // namespace
+
+std::vector<std::string> inspect_pairs() {
+  return {"end_effector_object", "object_table", "object_object"};
+}
+
+int inspect(const InspectSettings& settings) {
+  try {
+    for (const std::string& model : settings.models)
+      if (mjcf::has_actuators(model)) return inspect_mechanism(settings);
+  } catch (const mjcf::Error& e) {
+    throw UsageError(e.what());
+  }
+  return inspect_objects(settings);
 }
 
 }  // namespace c3rt::cli

@@ -442,13 +442,16 @@ class CommandLine {
         [this] { return cli::inspect(inspect_); });
     inspect
         ->add_option("models", inspect_.models,
-                     "MJCF files of 1 to 4 objects, one each: docs/objects.md")
+                     "MJCF files of 1 to 4 objects, one each, or one of a mechanism with motors "
+                     "and objects: docs/objects.md")
         ->required()
         ->expected(1, 4);
     inspect
-        ->add_option("--pairs", inspect_.pairs, "Contacts that the LCS has; default: all there are")
-        ->expected(1, 3)
-        ->check(cli::one_of(cli::inspect_pairs()));
+        ->add_option("--pairs", inspect_.pairs,
+                     "Contacts that the LCS has; default: all there are. Of a model with motors "
+                     "FIRST,SECOND[,closest=N][,friction=MU] by bodies or geoms")
+        ->expected(1, 64)
+        ->check(cli::one_of_or_list(cli::inspect_pairs()));
     inspect->add_option("--contact-model", inspect_.contact_model, "anitescu or stewart_trinkle")
         ->check(cli::one_of({"anitescu", "stewart_trinkle"}))
         ->capture_default_str();
@@ -464,6 +467,16 @@ class CommandLine {
     inspect->add_option("--support-points", inspect_.support_points, "Of each object: 3 or 4")
         ->check(cli::whole(3, 4))
         ->capture_default_str();
+    inspect
+        ->add_option("--directions", inspect_.directions,
+                     "Of friction at each contact of a model with motors: 0 to 8; default: 2")
+        ->check(cli::whole(0, 8));
+    inspect
+        ->add_option("--across", inspect_.across,
+                     "x y z: the first direction of friction is across this, of a mechanism "
+                     "in a plane its normal")
+        ->expected(3)
+        ->check(cli::number(-1.0, 1.0));
     inspect->add_option("--out", inspect_.out, "File of the LCS as a problem of c3rt solve");
   }
 

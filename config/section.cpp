@@ -121,16 +121,26 @@ bool Section::boolean(const std::string& key) {
   fail(key, "true or false", content(child));
 }
 
-std::string Section::text(const std::string& key) {
-  const Tree& child = require(*node_, key);
-  if (!child.is_scalar()) fail(key, "a text", content(child));
-  const std::string& value = child.scalar;
+std::string Section::text_at(const Tree& at, const std::string& key) const {
+  if (!at.is_scalar()) fail_at(at, key, "a text", content(at));
+  const std::string& value = at.scalar;
   if (value.size() > kLongestText)
-    fail(key, "a text of at most " + std::to_string(kLongestText) + " bytes",
-         std::to_string(value.size()));
+    fail_at(at, key, "a text of at most " + std::to_string(kLongestText) + " bytes",
+            std::to_string(value.size()));
   if (printable(value, kLongestText) != value)
-    fail(key, "a text without control characters", content(child));
+    fail_at(at, key, "a text without control characters", content(at));
   return value;
+}
+
+std::string Section::text(const std::string& key) { return text_at(require(*node_, key), key); }
+
+std::vector<std::string> Section::texts(const std::string& key, int size) {
+  const Tree& child = require(*node_, key);
+  if (!child.is_list() || static_cast<int>(child.list.size()) != size)
+    fail(key, "a list of " + std::to_string(size) + " texts", content(child));
+  std::vector<std::string> result;
+  for (const Tree& item : child.list) result.push_back(text_at(item, key));
+  return result;
 }
 
 std::string Section::name(const std::string& key) {

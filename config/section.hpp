@@ -37,6 +37,8 @@ class Section {
   std::string file(const std::string& key);
   /// One or a list of `min_size`..`max_size` of them.
   std::vector<std::string> files(const std::string& key, int min_size, int max_size);
+  /// A list of exactly `size` texts.
+  std::vector<std::string> texts(const std::string& key, int size);
   /// A list of exactly `size` numbers.
   Eigen::VectorXd numbers(const std::string& key, int size, Range allowed);
   /// A list of `min_size`..`max_size` numbers.
@@ -76,6 +78,7 @@ class Section {
   /// The same at one value of a list.
   [[noreturn]] void fail_at(const Tree& at, const std::string& key, const std::string& expected,
                             const std::string& got) const;
+  std::string text_at(const Tree& at, const std::string& key) const;
   std::string file_at(const Tree& at, const std::string& key) const;
   struct Node;
   std::shared_ptr<Node> node_;

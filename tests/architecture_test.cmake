@@ -69,7 +69,7 @@ files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)
 files_may("^cli/object_(add|picture)[.]" controller/mjcf controller/model controller/scene)
-files_may("^cli/inspect[.]" controller/lcs controller/mjcf controller/model controller/scene)
+files_may("^cli/inspect(_[a-z]+)?[.]" controller/lcs controller/mjcf controller/model controller/scene)
 files_may("_main[.]cpp$" config idl controller/base controller/rt)
 
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.

@@ -2,7 +2,9 @@
 
 #include "cli/progress.hpp"
 #include "controller/model/cart_pole.hpp"
+#include "controller/model/mechanism_model.hpp"
 #include "plant_emulator/cart_pole.hpp"
+#include "plant_emulator/mechanism.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -27,10 +29,31 @@ class NonlinearCartPole final : public example::Plant {
   plant::CartPole cart_pole_;
 };
 
+class MujocoMechanism final : public example::Plant {
+ public:
+  MujocoMechanism(const model::MechanismModel& model, double step)
+      : mechanism_(model.mechanism().file(), step) {}
+
+  void reset(const Eigen::VectorXd& x) override { mechanism_.reset(x); }
+
+  bool step(const Eigen::VectorXd& u, Eigen::VectorXd& x, Eigen::VectorXd& lambda) override {
+    mechanism_.reset(x);  // the noise of the loop is added to x
+    mechanism_.step(u);
+    mechanism_.state(x);
+    lambda.setZero();  // MuJoCo's contacts are not those of the model
+    return true;
+  }
+
+ private:
+  plant::Mechanism mechanism_;
+};
+
 }  // namespace
 
 std::unique_ptr<example::Plant> make_plant(const example::Experiment& experiment) {
   if (!experiment.mujoco_plant) return std::make_unique<example::LcsPlant>(experiment);
+  if (const auto* of = dynamic_cast<const model::MechanismModel*>(experiment.plant.get()))
+    return std::make_unique<MujocoMechanism>(*of, experiment.simulation_step);
   return std::make_unique<NonlinearCartPole>(
       dynamic_cast<const model::CartPole&>(*experiment.plant).parameters(),
       experiment.simulation_step);

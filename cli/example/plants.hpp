@@ -7,7 +7,8 @@
 
 namespace c3rt::cli {
 
-/// The experiment's LCS, or the nonlinear cart-pole. The experiment outlives it.
+/// The experiment's LCS, or in MuJoCo the nonlinear cart-pole or the mechanism. The experiment
+/// outlives it.
 std::unique_ptr<example::Plant> make_plant(const example::Experiment& experiment);
 
 /// Times every decision of another controller.

@@ -30,7 +30,7 @@ struct Disturbance {
 struct Experiment {
   Model model;        // what the controller plans with
   Model plant;        // what is simulated
-  bool mujoco_plant;  // the nonlinear cart-pole in place of the plant's LCS
+  bool mujoco_plant;  // the nonlinear cart-pole or mechanism in place of the plant's LCS
   int N;
   double planning_step;    // Δt of the planning LCS [s]
   double control_period;   // the input is held this long [s]

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/c3/load_settings.hpp"
 #include "controller/lcs/riccati.hpp"
+#include "controller/mjcf/mechanism.hpp"
 #include "controller/model/cart_pole.hpp"
+#include "controller/model/mechanism_model.hpp"
 
 namespace c3rt::example {
 namespace {
@@ -16,16 +20,41 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr config::Range kWeight{0.0, 1e12};
+constexpr int kMostContacts = 64;
 constexpr config::Range kState{-1e6, 1e6};
+
+/// Of an MJCF file, and which contacts it has.
+void load_mechanism(config::Section& section, const std::string& key, model::ModelValues& values) {
+  std::vector<model::Between> contacts;
+  for (config::Section& each : section.list("contacts", 1, kMostContacts)) {
+    const std::vector<std::string> between = each.texts("between", 2);
+    contacts.push_back({between[0], between[1]});
+    if (each.has("closest")) contacts.back().closest = each.integer("closest", {0, kMostContacts});
+    if (each.has("friction")) contacts.back().friction = each.number("friction", {0, 10});
+  }
+  try {
+    values.set_mechanism(mjcf::read_mechanism(section.file(key)).mechanism, std::move(contacts));
+  } catch (const mjcf::Error& error) {
+    section.fail(key, "a mechanism that can be planned with", error.what());
+  }
+}
 
 Model load_model(const model::SystemKind& kind, config::Section section) {
   model::ModelValues values;
   for (const model::ModelKey& key : kind.keys) {
+    if (key.names_mechanism) {
+      load_mechanism(section, key.name, values);
+      continue;
+    }
     values.set(key.name, key.choices.empty()
                              ? section.number(key.name, {key.min, key.max})
                              : static_cast<double>(section.choice(key.name, key.choices)));
   }
-  return kind.make(values);
+  try {
+    return kind.make(values);
+  } catch (const std::invalid_argument& error) {
+    section.fail("contacts", "contacts that the model can have", error.what());
+  }
 }
 
 /// {NAME: …} on the diagonal, one for each entry of x or u.
@@ -83,8 +112,9 @@ Experiment load(config::Section root, const model::SystemKind& kind) {
   // one model for both unless the plant is given its own
   e.plant = plant.has("model") ? load_model(kind, plant.section("model")) : e.model;
   e.mujoco_plant = plant.choice<bool>("kind", {{"lcs", false}, {"mujoco", true}});
-  if (e.mujoco_plant && dynamic_cast<const model::CartPole*>(e.plant.get()) == nullptr) {
-    plant.fail("kind", "lcs: only the cart-pole has a MuJoCo plant", "\"mujoco\"");
+  if (e.mujoco_plant && dynamic_cast<const model::CartPole*>(e.plant.get()) == nullptr &&
+      dynamic_cast<const model::MechanismModel*>(e.plant.get()) == nullptr) {
+    plant.fail("kind", "lcs: only cart-pole and mechanism have a MuJoCo plant", "\"mujoco\"");
   }
   e.simulation_step = plant.number("step_s", {1e-5, 1});
   e.noise = plant.number("noise_sigma", {0, 100});

@@ -168,7 +168,7 @@ class MujocoMechanism final : public scene::Mechanism {
       scene::RigidBody rigid;
       Rigid read;
       if (body > 0) read = loaded_.rigid(body);
-      rigid.object = scene::make_object(body == 0 ? "world" : loaded_.name(mjOBJ_BODY, body),
+      rigid.object = scene::make_object(named(mjOBJ_BODY, body, "body"),
                                         body == 0 ? 0.0 : read.mass, read.inertia, 0.0, {});
       rigid.driven = false;
       rigid.parent = body == 0 ? 0 : rigid_of(model_->body_parentid[body]);
@@ -181,6 +181,12 @@ class MujocoMechanism final : public scene::Mechanism {
       places_.push_back({read.p_WC, read.R_WB});
       bodies_.push_back(std::move(rigid));
     }
+  }
+
+  /// A name that may be a key: of what the file names not, its kind and number.
+  std::string named(int type, int id, const std::string& kind) const {
+    const char* given = mj_id2name(model_, type, id);
+    return given != nullptr && *given != '\0' ? given : kind + "_" + std::to_string(id);
   }
 
   int rigid_of(int body) const {
@@ -203,11 +209,8 @@ class MujocoMechanism final : public scene::Mechanism {
       const int owner = model_->geom_bodyid[geom];
       surface.body = rigid_of(owner);
       const auto at = static_cast<std::size_t>(surface.body);
-      const char* given = mj_id2name(model_, mjOBJ_GEOM, geom);
-      surface.owner = owner == 0 ? "world" : loaded_.name(mjOBJ_BODY, owner);
-      surface.name = given != nullptr && *given != '\0'
-                         ? given
-                         : surface.owner + "_geom_" + std::to_string(geom);
+      surface.owner = named(mjOBJ_BODY, owner, "body");
+      surface.name = named(mjOBJ_GEOM, geom, surface.owner + "_geom");
       surface.friction = model_->geom_friction[3 * geom];
       surface.is_plane = model_->geom_type[geom] == mjGEOM_PLANE;
       const Matrix3d R_BW = places_[at].R.transpose();
@@ -230,9 +233,7 @@ class MujocoMechanism final : public scene::Mechanism {
     for (int joint = 0; joint < model_->njnt; ++joint) {
       const auto dof = static_cast<std::size_t>(model_->jnt_dofadr[joint]);
       const int of = rigid_of(model_->jnt_bodyid[joint]);
-      const std::string called = mj_id2name(model_, mjOBJ_JOINT, joint) != nullptr
-                                     ? loaded_.name(mjOBJ_JOINT, joint)
-                                     : "joint_" + std::to_string(joint);
+      const std::string called = named(mjOBJ_JOINT, joint, "joint");
       if (model_->jnt_type[joint] != mjJNT_FREE) {
         const bool turns = model_->jnt_type[joint] == mjJNT_HINGE;
         coordinates_[dof] = {turns ? Kind::kHinge : Kind::kSlide, called, called + "_rate", of};
@@ -244,7 +245,7 @@ class MujocoMechanism final : public scene::Mechanism {
         }
         continue;
       }
-      const std::string body = loaded_.name(mjOBJ_BODY, model_->jnt_bodyid[joint]);
+      const std::string body = named(mjOBJ_BODY, model_->jnt_bodyid[joint], "body");
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::string along(1, static_cast<char>('x' + axis));
         coordinates_[dof + axis] = {Kind::kPosition, body + "_" + along,
@@ -261,13 +262,10 @@ class MujocoMechanism final : public scene::Mechanism {
       const int joint = model_->actuator_trnid[2 * actuator];
       const bool limited = model_->actuator_ctrllimited[actuator] != 0;
       const mjtNum* range = model_->actuator_ctrlrange + 2 * actuator;
-      motors_.push_back({loaded_.name(mjOBJ_ACTUATOR, actuator),
-                         model_->jnt_type[joint] == mjJNT_HINGE, limited ? range[0] : -kAny,
-                         limited ? range[1] : kAny});
-      if (mj_id2name(model_, mjOBJ_ACTUATOR, actuator) == nullptr) {
-        motors_.back().name =
-            coordinates_[static_cast<std::size_t>(model_->jnt_dofadr[joint])].name + "_motor";
-      }
+      motors_.push_back(
+          {named(mjOBJ_ACTUATOR, actuator, named(mjOBJ_JOINT, joint, "joint") + "_motor"),
+           model_->jnt_type[joint] == mjJNT_HINGE, limited ? range[0] : -kAny,
+           limited ? range[1] : kAny});
       if (model_->actuator_forcelimited[actuator] != 0) {
         notes_.push_back("the forcerange of motor \"" + motors_.back().name +
                          "\" is left out: a plan knows its ctrlrange alone");

@@ -1,4 +1,5 @@
 // c3rt lcs inspect as a person meets it.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -98,4 +99,62 @@ TEST_CASE("inspect: a model that cannot be planned with is a usage error that na
   CHECK_THAT(alone.output, Contains("of one object alone"));
   const Outcome nowhere = run("lcs inspect " + kT + " --out /no/such/folder/problem.json");
   CHECK(nowhere.status != 0);
+}
+
+TEST_CASE("inspect: a mechanism's coordinates, motors, bodies, contacts and errors") {
+  const std::string pusher = "'" C3RT_SOURCE_DIRECTORY "/examples/pusher/pusher.xml'";
+  const Outcome outcome = run("lcs inspect " + pusher);
+  CAPTURE(outcome.output);
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.output,
+             Contains("fork_x: slide, 0 mm") && Contains("disc_x: free body, 100 mm") &&
+                 Contains("force_x: -20 to 20 N") && Contains("disc: mass 0.3 kg") &&
+                 Contains("left and rim: gap 26.98 mm") && Contains("disc and floor: gap 0 mm") &&
+                 Contains("n_x 16, n_u 2, n_lambda 28: anitescu, 7 contacts with 4 edges") &&
+                 Contains("symmetric, positive semidefinite") && Contains("at rest"));
+  const Outcome chosen =
+      run("lcs inspect " + pusher + " --pairs fork,disc,closest=1,friction=0.3 disc,world " +
+          "--contact-model stewart_trinkle --directions 1 --across 0 0 1 --support-points 3");
+  CAPTURE(chosen.output);
+  CHECK(chosen.status == 0);
+  CHECK_THAT(chosen.output, Contains("left and rim: gap 26.98 mm") && Contains("friction 0.3") &&
+                                Contains("n_lambda 16: stewart_trinkle, 4 contacts with 2 edges"));
+}
+
+TEST_CASE("inspect: the LCS of a mechanism is a problem that c3rt solve takes, with its bounds") {
+  const Folder folder;
+  const std::string problem = (folder.path() / "problem.json").string();
+  const std::string result = (folder.path() / "result.json").string();
+  const Outcome written = run("lcs inspect '" C3RT_SOURCE_DIRECTORY
+                              "/examples/pusher/pusher.xml' "
+                              "--pairs fork,disc disc,floor --out '" +
+                              problem + "'");
+  CAPTURE(written.output);
+  REQUIRE(written.status == 0);
+  CHECK_THAT(written.output, Contains("disc_x by 0.1"));
+  const Outcome solved = run("solve '" + problem + "' --out '" + result + "'");
+  CAPTURE(solved.output);
+  REQUIRE(solved.status == 0);
+  const auto json = nlohmann::json::parse(std::ifstream(result));
+  CHECK(json["status"] == "ok");
+  CHECK(json["x"][0].size() == 16);
+  CHECK(json["x"][10][2].get<double>() > json["x"][0][2].get<double>() + 0.01);
+  for (const auto& u : json["u"]) CHECK(std::abs(u[0].get<double>()) <= 20.0 + 1e-6);
+}
+
+TEST_CASE("inspect: of a mechanism what does not fit is named") {
+  const std::string pusher = "'" C3RT_SOURCE_DIRECTORY "/examples/pusher/pusher.xml'";
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = run("lcs inspect " + arguments);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.output, Contains(words));
+  };
+  refused(pusher + " --pairs fork,disk", "got \"disk\"");
+  refused(pusher + " --pairs fork,disc,nearest=1", "expected FIRST,SECOND");
+  refused(pusher + " --pairs fork,disc,friction=-1", "expected FIRST,SECOND");
+  refused(pusher + " --pairs object_table", "expected FIRST,SECOND");
+  refused(pusher + " " + kT, "expected one file");
+  refused(pusher + " --effector 0 0 0", "--effector: expected objects alone");
+  refused(kT + " --pairs tip,disc", "expected pairs of a model without motors");
+  refused(kT + " --directions 2", "expected a model with motors");
 }

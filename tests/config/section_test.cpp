@@ -219,6 +219,16 @@ TEST_CASE("section: a name is letters, digits, _ and -; a text has no control ch
   CHECK_THROWS_WITH(text(std::string(2000, 'x')), Catch::Contains("at most 1000 bytes, got 2000"));
 }
 
+TEST_CASE("section: a list of texts has as many as asked for, each without control characters") {
+  Section section = Document::parse(
+      "names: [tip, disc]\none: tip\nlong: [a, b, c]\nodd: [a, \"b\\e\"]\n", "a.yaml");
+  CHECK(section.texts("names", 2) == std::vector<std::string>{"tip", "disc"});
+  CHECK_THAT(error_of([&] { (void)section.texts("one", 2); }),
+             Contains("a.yaml:2: one: expected a list of 2 texts, got tip"));
+  CHECK_THAT(error_of([&] { (void)section.texts("long", 2); }), Contains("a list of 2 texts"));
+  CHECK_THAT(error_of([&] { (void)section.texts("odd", 2); }), Contains("without control"));
+}
+
 TEST_CASE("section: an error is one line, whatever stands in the file") {
   try {
     Document::parse("\"a\\e[2Jb\\n\": 1", "x.yaml").finish();

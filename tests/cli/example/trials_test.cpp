@@ -135,6 +135,22 @@ TEST_CASE("the nonlinear cart-pole falls as the linear one while the angle is sm
   CHECK(lambda.isZero());
 }
 
+TEST_CASE("a mechanism of one's own pushes its disc to the goal in MuJoCo") {
+  const ExampleScenario pusher =
+      load_example(C3RT_SOURCE_DIRECTORY "/examples/pusher/pusher.yaml", {"start.trials=3"});
+  CHECK(pusher.experiment.mujoco_plant);
+  const TrialsResult result = run_trials(pusher, 1, never);
+  REQUIRE(result.trials.size() == 3);
+  for (const Trial& trial : result.trials) {
+    CAPTURE(trial.final_state.transpose());
+    CHECK(trial.succeeded);
+    CHECK(trial.controller_failures == 0);
+  }
+  // it moved over the floor, not through it, and pushing took no more than the motors have
+  CHECK((result.first.x.row(4).array() - 0.02).abs().maxCoeff() < 2e-3);
+  CHECK(result.first.u.cwiseAbs().maxCoeff() <= 20.0);
+}
+
 TEST_CASE("the table of a trajectory has a row for each state and a name for each column") {
   const Folder folder;
   for (const char* name : {"cart_pole", "finger_gaiting", "pivoting"}) {

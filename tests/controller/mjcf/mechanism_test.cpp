@@ -133,7 +133,7 @@ TEST_CASE(
   const mjcf::MechanismFile read = mjcf::read_mechanism(file.path());
   scene::Mechanism& mechanism = *read.mechanism;
   REQUIRE(mechanism.n_v() == 7);
-  CHECK(mechanism.motors()[0].name == "reach_motor");
+  CHECK(mechanism.motors()[0].name == "reach_motor_0");
   CHECK(mechanism.coordinates()[1].name == "stone_x");
   CHECK(mechanism.coordinates()[6].rate == "stone_turn_rate_z");
   CHECK(mechanism.home().tail(3).isZero(1e-12));

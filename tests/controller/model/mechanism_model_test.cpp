@@ -351,7 +351,7 @@ TEST_CASE("mechanism: a name is a geom's, a body's or the world's, and a wrong o
 
 TEST_CASE("mechanism: friction is the rougher surface's, and its first direction as asked for") {
   const File file(kShapes);
-  MechanismParameters p = parameters(kPusher, {{"tip", "disc"}, {"disc", "floor"}});
+  MechanismParameters p = parameters(kPusher, {{"left", "disc"}, {"disc", "floor"}});
   const Vector3d across(0.3, 0.1, 1.0);
   p.across = across;
   const MechanismModel model(p);
@@ -363,13 +363,13 @@ TEST_CASE("mechanism: friction is the rougher surface's, and its first direction
 }
 
 TEST_CASE("mechanism: what a motor moves touches a body that it overlaps, and tells by how much") {
-  const MechanismModel model(parameters(kPusher, {{"tip", "disc"}, {"disc", "floor"}}));
+  const MechanismModel model(parameters(kPusher, {{"left", "disc"}, {"disc", "floor"}}));
   VectorXd x = home(model);
   x[0] = 0.03;
   ContactSystem system;
   model.evaluate(x, system);
   CHECK(system.phi[0] == 0.0);
-  CHECK(system.distance[0] == Approx(std::hypot(0.07, 0.01) - 0.075).margin(1e-9));
+  CHECK(system.distance[0] == Approx(std::hypot(0.07, 0.02) - 0.075).margin(1e-9));
   // a disc in the floor is out of it in the next step
   x[4] -= 0.001;
   model.evaluate(x, system);
@@ -398,7 +398,7 @@ TEST_CASE("mechanism: after the first evaluation none takes from the heap") {
 }
 
 TEST_CASE("mechanism: x, u and forces have the names of joints, bodies and motors; u its range") {
-  MechanismParameters p = parameters(kPusher, {{"tip", "disc"}, {"disc", "floor"}});
+  MechanismParameters p = parameters(kPusher, {{"left", "disc"}, {"disc", "floor"}});
   p.contact_model = ContactModel::kStewartTrinkle;
   p.directions = 1;
   const MechanismModel model(p);
@@ -406,14 +406,14 @@ TEST_CASE("mechanism: x, u and forces have the names of joints, bodies and motor
   CHECK(layout.n_x() == 16);
   CHECK(layout.n_u() == 2);
   CHECK(layout.n_lambda() == 5 * 4);
-  CHECK(layout.x[0].name == "pusher_x");
-  CHECK(layout.x[8].name == "pusher_x_rate");
+  CHECK(layout.x[0].name == "fork_x");
+  CHECK(layout.x[8].name == "fork_x_rate");
   CHECK(layout.x[2].name == "disc_x");
   CHECK(layout.x[7].unit == "rad");
   CHECK(layout.u[1].name == "force_y");
-  CHECK(layout.lambda[0].name == "tip_disc_gamma");
-  CHECK(layout.lambda[5].name == "tip_disc_normal");
-  CHECK(layout.lambda[11].name == "tip_disc_edge_2");
+  CHECK(layout.lambda[0].name == "left_disc_gamma");
+  CHECK(layout.lambda[5].name == "left_disc_normal");
+  CHECK(layout.lambda[11].name == "left_disc_edge_2");
   CHECK(layout.lambda[12].name == "disc_floor_1_edge_1");
   VectorXd u = Eigen::Vector2d(-30.0, 7.0);
   model.clip(u);
