@@ -157,12 +157,13 @@ CLI::Validator one_of(std::vector<std::string> words) {
 }
 
 CLI::Validator one_of_or_list(std::vector<std::string> words) {
-  const CLI::Validator word = one_of(words);
+  const std::string known = joined(words);
+  const CLI::Validator word = one_of(std::move(words));
   return CLI::Validator(
       [word](std::string& input) {
         return input.find(',') == std::string::npos ? word(input) : std::string();
       },
-      joined(words));
+      known);
 }
 
 std::string nearest(const std::string& word, const std::vector<std::string>& words) {

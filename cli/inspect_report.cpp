@@ -162,7 +162,7 @@ void warn_of_errors(const model::BlockErrors& resting, const model::BlockErrors&
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  fmt::print("mind\n");
+  if (!warnings.empty()) fmt::print("mind\n");
   for (const std::string& warning : warnings) fmt::print("  - {}\n", warning);
 }
 

@@ -1,8 +1,10 @@
 #include "cli/example/pictures.hpp"
 
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -138,6 +140,37 @@ std::vector<Panel> pivoting(const Drawing& d) {
            {d.u(L::normal_1, "finger 1", kBlue), d.u(L::normal_2, "finger 2", kRed)}}};
 }
 
+/// Of any other system: what has a length, what has an angle, with the goals that are weighed, and
+/// the inputs.
+std::vector<Panel> by_names(const Drawing& d, const model::SystemLayout& layout) {
+  constexpr std::array kColors{kBlack, kBlue, kRed, kYellow, kGrey};
+  std::vector<Panel> panels;
+  const auto color = [&](const Panel& panel) {
+    return kColors[panel.curves.size() % kColors.size()];
+  };
+  for (const auto& [unit, label] :
+       {std::pair{"m", "position [m]"}, std::pair{"rad", "angle [rad]"}}) {
+    Panel panel{"", "", label, {}};
+    std::vector<Curve> goals;
+    for (int i = 0; i < layout.n_x(); ++i) {
+      const model::Quantity& of = layout.x[static_cast<std::size_t>(i)];
+      if (of.unit != unit) continue;
+      if (d.experiment.costs.Q[0](i, i) > 0.0)
+        goals.push_back(d.level(d.experiment.x_desired[i], "", color(panel)));
+      panel.curves.push_back(d.x(i, of.name.c_str(), color(panel)));
+    }
+    panel.curves.insert(panel.curves.end(), goals.begin(), goals.end());
+    if (!panel.curves.empty()) panels.push_back(panel);
+  }
+  Panel inputs{"", "time [s]", "input", {}};
+  for (int i = 0; i < layout.n_u(); ++i) {
+    const model::Quantity& of = layout.u[static_cast<std::size_t>(i)];
+    inputs.curves.push_back(d.u(i, of.name.c_str(), color(inputs)));
+  }
+  panels.push_back(inputs);
+  return panels;
+}
+
 }  // namespace
 
 void write_trajectory(const std::filesystem::path& file, const Experiment& experiment,
@@ -170,7 +203,8 @@ std::vector<Panel> trajectory_panels(const Experiment& experiment, const Traject
   if (const auto* of = dynamic_cast<const model::CartPole*>(&plant); of != nullptr)
     return cart_pole(drawing, of->parameters());
   if (dynamic_cast<const model::FingerGaiting*>(&plant) != nullptr) return finger_gaiting(drawing);
-  return pivoting(drawing);
+  if (dynamic_cast<const model::Pivoting*>(&plant) != nullptr) return pivoting(drawing);
+  return by_names(drawing, plant.layout());
 }
 
 }  // namespace c3rt::cli

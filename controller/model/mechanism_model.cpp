@@ -231,17 +231,17 @@ scene::Place MechanismModel::place_of(int surface) const noexcept {
   return {body.p + body.R * of.part.p_BP, body.R * of.part.R_BP};
 }
 
-void MechanismModel::measure(const Candidate& of, Contact& contact) const {
-  contact.first = of.first;
-  contact.second = of.second;
-  contact.first_surface = of.first_surface;
-  contact.second_surface = of.second_surface;
-  contact.mu = of.mu;
-  const scene::Place second = place_of(of.second_surface);
-  if (of.support) {
-    const scene::Place& body = places_[static_cast<std::size_t>(of.first)];
-    const SupportPoints::Point& point =
-        of.support->below(second.R.transpose() * body.R)[static_cast<std::size_t>(of.point)];
+void MechanismModel::measure(const Candidate& candidate, Contact& contact) const {
+  contact.first = candidate.first;
+  contact.second = candidate.second;
+  contact.first_surface = candidate.first_surface;
+  contact.second_surface = candidate.second_surface;
+  contact.mu = candidate.mu;
+  const scene::Place second = place_of(candidate.second_surface);
+  if (candidate.support) {
+    const scene::Place& body = places_[static_cast<std::size_t>(candidate.first)];
+    const SupportPoints::Point& point = candidate.support->below(
+        second.R.transpose() * body.R)[static_cast<std::size_t>(candidate.point)];
     contact.normal = second.R.col(2);
     contact.p_first = body.p + body.R * point.p_B - point.radius * contact.normal;
     contact.distance = contact.normal.dot(contact.p_first - second.p);
@@ -249,8 +249,9 @@ void MechanismModel::measure(const Candidate& of, Contact& contact) const {
     const auto shape = [&](int i) -> const scene::Shape& {
       return mechanism().surfaces()[static_cast<std::size_t>(i)].part.shape;
     };
-    const scene::Separation found = apart(shape(of.first_surface), place_of(of.first_surface),
-                                          shape(of.second_surface), second);
+    const scene::Separation found =
+        apart(shape(candidate.first_surface), place_of(candidate.first_surface),
+              shape(candidate.second_surface), second);
     contact.distance = found.distance;
     contact.normal = found.normal;
     contact.p_first = found.p_first;
@@ -264,9 +265,9 @@ void MechanismModel::measure(const Candidate& of, Contact& contact) const {
       contact.s = contact.normal.cross(contact.t);
     }
   }
-  if (of.support && parameters_.directions > 1) {
+  if (candidate.support && parameters_.directions > 1) {
     // aligned edges resist no turn while a body slides along one
-    const double turned = of.point * M_PI / (4.0 * parameters_.directions);
+    const double turned = candidate.point * M_PI / (4.0 * parameters_.directions);
     const Vector3d t = contact.t, s = contact.s;
     contact.t = std::cos(turned) * t + std::sin(turned) * s;
     contact.s = std::cos(turned) * s - std::sin(turned) * t;

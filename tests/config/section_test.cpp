@@ -224,7 +224,7 @@ TEST_CASE("section: a list of texts has as many as asked for, each without contr
       "names: [tip, disc]\none: tip\nlong: [a, b, c]\nodd: [a, \"b\\e\"]\n", "a.yaml");
   CHECK(section.texts("names", 2) == std::vector<std::string>{"tip", "disc"});
   CHECK_THAT(error_of([&] { (void)section.texts("one", 2); }),
-             Contains("a.yaml:2: one: expected a list of 2 texts, got tip"));
+             Contains("a.yaml:2: one: expected a list of 2 texts, got \"tip\""));
   CHECK_THAT(error_of([&] { (void)section.texts("long", 2); }), Contains("a list of 2 texts"));
   CHECK_THAT(error_of([&] { (void)section.texts("odd", 2); }), Contains("without control"));
 }

@@ -146,6 +146,12 @@ TEST_CASE("a mechanism of one's own pushes its disc to the goal in MuJoCo") {
     CHECK(trial.succeeded);
     CHECK(trial.controller_failures == 0);
   }
+  // drawn by the names of its joints and bodies, with the goal of what is weighed
+  const std::vector<Panel> panels = trajectory_panels(pusher.experiment, result.first);
+  REQUIRE(panels.size() == 3);
+  CHECK(panels[0].curves[2].name == "disc_x");
+  CHECK(panels[0].curves.back().y == Eigen::Vector2d(0.01, 0.01));
+  CHECK(panels[2].curves[1].name == "force_y");
   // it moved over the floor, not through it, and pushing took no more than the motors have
   CHECK((result.first.x.row(4).array() - 0.02).abs().maxCoeff() < 2e-3);
   CHECK(result.first.u.cwiseAbs().maxCoeff() <= 20.0);
