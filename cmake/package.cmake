@@ -81,9 +81,9 @@ c3rt_export(qp HEADERS node_qp.hpp problem.hpp qp.hpp
 c3rt_export(c3 HEADERS consensus.hpp deadline.hpp parallel.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
   DEPS qp lcs)
 c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 qp lcs)
-c3rt_export(scene HEADERS distance.hpp object.hpp scene.hpp shape.hpp)
-c3rt_export(model HEADERS ball_model.hpp balls_model.hpp block_errors.hpp cart_pole.hpp contact_model.hpp contact_system.hpp
-  finger_gaiting.hpp linearise.hpp objects_model.hpp pivoting.hpp planning_model.hpp pushed_box.hpp registry.hpp support_points.hpp system_model.hpp
+c3rt_export(scene HEADERS distance.hpp mechanism.hpp object.hpp scene.hpp shape.hpp)
+c3rt_export(model HEADERS ball_model.hpp balls_model.hpp between.hpp block_errors.hpp cart_pole.hpp contact_model.hpp contact_system.hpp
+  finger_gaiting.hpp linearise.hpp mechanism_model.hpp objects_model.hpp pivoting.hpp planning_model.hpp pushed_box.hpp registry.hpp support_points.hpp system_model.hpp
   DEPS lcs
   scene)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
