@@ -331,6 +331,8 @@ Parameters load_parameters(config::Section section, const task::Task& task, int 
   parameters.dt = section.number("step_s", {1e-3, 1});
   parameters.delta_t_c_source = section.choice<DeltaTcSource>(
       "delta_t_c", {{"period", DeltaTcSource::kPeriod}, {"solve_time", DeltaTcSource::kSolveTime}});
+  if (section.has("delta_t_c_s"))
+    parameters.delta_t_c = section.number("delta_t_c_s", {1e-3, parameters.dt});
   parameters.speed_limit = section.number("speed_limit_m_per_s", {0.01, 10});
   parameters.predict_objects = section.boolean("predict_objects");
   parameters.separate_overlap = section.boolean("separate_overlap");

@@ -141,9 +141,10 @@ struct Parameters {
   ApproachParameters approach;
   task::Task task = task::Circle{};
   DeltaTcSource delta_t_c_source;
-  double speed_limit;     // of the planned end effector [m/s]
-  bool predict_objects;   // carry the estimated body on to the time of the arm's state
-  bool separate_overlap;  // move an estimated body out of the end effector before linearising
+  double delta_t_c = 0.0;  // in place of what is measured; 0: none is given [s]
+  double speed_limit;      // of the planned end effector [m/s]
+  bool predict_objects;    // carry the estimated body on to the time of the arm's state
+  bool separate_overlap;   // move an estimated body out of the end effector before linearising
   // the table is where the body lies on it, whatever height the model says: a tilt moves it by
   // millimetres
   bool table_below_object = false;

@@ -117,6 +117,7 @@ scene::Scene Planner::estimate(const Input& input) const {
 }
 
 double Planner::delta_t_c(const Input& input) const {
+  if (parameters_.delta_t_c > 0.0) return parameters_.delta_t_c;
   double result = input.solve_time;
   if (parameters_.delta_t_c_source == DeltaTcSource::kPeriod) {
     double sum = 0.0;

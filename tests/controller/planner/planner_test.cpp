@@ -333,6 +333,12 @@ TEST_CASE(
     const Plan& plan = follower.step();
     CHECK(plan.delta_t_c == Approx(period ? (9.0 * follower.period + 0.030) / 10.0 : 0.002));
   }
+  // or what it was told
+  Parameters p = parameters();
+  p.delta_t_c = 0.02;
+  Follower told(p);
+  REQUIRE(told.until("return", 2000));
+  CHECK(told.step().delta_t_c == 0.02);
 }
 
 TEST_CASE("planner: both back ends of the QP step give the same plan") {
