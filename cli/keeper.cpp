@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cli/client.hpp"
+#include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
 #include "controller/rt/periodic_clock.hpp"
 
@@ -182,6 +183,10 @@ void Keeper::start_due(double now) {
 void Keeper::look_at_disk(double now) {
   if (now - disk_seen_ < kLookAtDisk) return;
   disk_seen_ = now;
+  std::string unrotated = rotate_logs(launch_.out() / "logs");
+  if (unrotated.empty()) unrotated = rotate_log(supervisor_log(launch_.bus().domain));
+  if (unrotated != unrotated_ && !unrotated.empty()) tell(unrotated);
+  unrotated_ = unrotated;
   const bool full = is_full(launch_.out());
   if (full == disk_full_) return;
   disk_full_ = full;

@@ -52,6 +52,7 @@ class Keeper {
   bool came_up_ = false;  // all four have been in service
   bool disk_full_ = false;
   double disk_seen_ = 0.0;
+  std::string unrotated_;  // why a log could not be begun anew; told once
   wire::Bus bus_;
   wire::Reader<wire::ServiceStatus> statuses_;
   wire::Reader<wire::TaskTarget> targets_;

@@ -94,6 +94,10 @@ fs::path runtime_directory() {
   return directory;
 }
 
+fs::path supervisor_log(unsigned domain) {
+  return runtime_directory() / ("supervisor-" + std::to_string(domain) + ".log");
+}
+
 fs::path new_folder(const std::string& name) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};

@@ -34,6 +34,9 @@ std::filesystem::path dds_profile_path(const std::string& profile);
 /// files. Made if missing.
 std::filesystem::path runtime_directory();
 
+/// What the supervisor of the service on this domain says, who has no terminal.
+std::filesystem::path supervisor_log(unsigned domain);
+
 /// out/NAME-DATE under the current directory, with a number where that is taken; not made.
 std::filesystem::path new_folder(const std::string& name);
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -93,16 +94,28 @@ void keep(const wire::ObjectEstimate& sample, Series& series) {
   series.estimate.push_back(row_of(sample));
 }
 
+/// What a listener hears of the streams.
+template <typename T>
+constexpr bool kHeard =
+    std::is_same_v<T, wire::Plan> || std::is_same_v<T, wire::Scene> ||
+    std::is_same_v<T, wire::ObjectEstimate> || std::is_same_v<T, wire::RobotState> ||
+    std::is_same_v<T, wire::RobotCommand>;
+
 /// A topic on its way from the bus to its log.
 template <typename T>
 struct Recorded {
   Recorded(wire::Bus& bus, const std::filesystem::path& directory)
       : reader(bus, kDepth), log(directory) {}
-  void drain(Series& series) {
+  /// @param series nullptr: nothing is kept
+  void drain(Series* series, Listener* listener) {
     while (reader.take(newest)) {
-      log.add(newest);
-      keep(newest, series);
       any = true;
+      if constexpr (kHeard<T>) {
+        if (listener != nullptr) listener->hear(newest);
+      }
+      if (series == nullptr) continue;
+      log.add(newest);
+      keep(newest, *series);
     }
   }
   wire::Reader<T> reader;
@@ -144,6 +157,14 @@ struct Recorder::Topics {
   Topics(wire::Bus& bus, const std::filesystem::path& directory, const task::Task& task)
       : recorded(bus, directory), status(bus, 64), course(task) {}
 
+  /// Takes all that has come.
+  void drain(Series* series, Listener* listener) {
+    recorded.for_each([](auto& topic) { topic.any = false; });
+    // a command may follow a plan that has just come
+    recorded.of<wire::Plan>().drain(series, listener);
+    recorded.for_each([&](auto& topic) { topic.drain(series, listener); });
+  }
+
   void finish() {
     recorded.for_each([](auto& topic) { topic.log.finish(); });
   }
@@ -176,8 +197,8 @@ struct Recorder::Seat {
 };
 
 Recorder::Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory,
-                   const Goal& goal)
-    : settings_(bus), directory_(directory), goal_(goal) {
+                   const Goal& goal, const std::filesystem::path& scratch, Listener* listener)
+    : settings_(bus), directory_(directory), goal_(goal), listener_(listener), series_(scratch) {
   if (!directory_.empty()) std::filesystem::create_directories(directory_);
   if (bus.exchange != nullptr) {
     seat_ = std::make_unique<Seat>(settings_, directory_, goal_.task);
@@ -237,12 +258,51 @@ void Recorder::record() {
   } else {
     // waking for every sample would cost a tenth of a core; the readers are deep enough to look now
     // and then
-    while (!stop_.load() && !done_.load()) {
-      if (take_all(topics, bus)) done_.store(true);
+    while (!stop_.load() && (!done_.load() || listener_ != nullptr)) {
+      forget(topics);
+      if (done_.load()) {
+        look_on(topics, bus);
+      } else if (take_all(topics, bus)) {
+        done_.store(true);
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
   finish(topics);
+}
+
+void Recorder::begin_again(const Goal& goal) {
+  const std::lock_guard lock(mutex_);
+  next_goal_ = goal;
+}
+
+void Recorder::forget(Topics& topics) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!next_goal_) return;
+    goal_ = *next_goal_;
+    next_goal_.reset();
+    live_.any = live_.rolling = live_.robot_stopped = false;
+    live_.time = live_.turns = 0.0;
+    live_.loops = 0;
+    live_.object_error = kNone;
+  }
+  series_ = Series(series_.folder);
+  topics.course = Course(goal_.task);
+  topics.task_start.reset();
+  topics.judged = topics.counted = 0;
+  topics.reflex_since = 0;
+  done_.store(false);
+}
+
+void Recorder::look_on(Topics& topics, const wire::Bus& bus) {
+  topics.drain(nullptr, listener_);
+  std::vector<wire::RefusedCount> refused = bus.refusals();
+  const std::lock_guard lock(mutex_);
+  live_.refused = std::move(refused);
+  take_words(topics);
+  live_.steps = topics.recorded.of<wire::RobotState>().newest.header.seq;
+  live_.plan = topics.recorded.of<wire::Plan>().newest;
 }
 
 void Recorder::finish(Topics& topics) {
@@ -266,15 +326,13 @@ void Recorder::take_words(Topics& topics) {
   while (topics.status.take(status)) {
     const auto process = static_cast<std::size_t>(status.process);
     if (process < live_.services.size()) live_.services[process] = status;
+    if (listener_ != nullptr) listener_->hear(status);
   }
 }
 
 bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   const std::size_t plans_before = series_.plan.size();
-  topics.recorded.for_each([this](auto& topic) {
-    topic.any = false;
-    topic.drain(series_);
-  });
+  topics.drain(&series_, listener_);
   if (topics.recorded.of<wire::RobotState>().any) {
     topics.wall_last = wall_time();
     topics.seq_last = series_.state.back().seq;

@@ -25,6 +25,19 @@ struct Goal {
   double duration;  // from the first sample of the scene [s]
 };
 
+/// Hears every sample that a recorder takes, in the thread that takes them: topic by topic, each in
+/// order, a plan before the commands that follow it.
+class Listener {
+ public:
+  virtual ~Listener() = default;
+  virtual void hear(const wire::Plan&) {}
+  virtual void hear(const wire::Scene&) {}
+  virtual void hear(const wire::ObjectEstimate&) {}
+  virtual void hear(const wire::RobotState&) {}
+  virtual void hear(const wire::RobotCommand&) {}
+  virtual void hear(const wire::ServiceStatus&) {}
+};
+
 /// What a person wants to see while it runs.
 struct Live {
   bool any = false;      // a scene has been seen
@@ -53,7 +66,11 @@ class Recorder {
   /// realtime it reads along. Starts a thread, but not on a bus within this process: there whoever
   /// advances time calls take().
   /// @param directory of the log files, made here; empty: none
-  Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal);
+  /// @param scratch folder that takes what of the series is too long for the memory; empty: none
+  /// @param listener outlives the recorder. In realtime it goes on hearing when the goal is
+  /// reached.
+  Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal,
+           const std::filesystem::path& scratch = {}, Listener* listener = nullptr);
   ~Recorder();  // stop()
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -65,12 +82,14 @@ class Recorder {
   /// The goal was reached: the task is done or the time is over. Recording has ended, in
   /// lockstep at a simulated time that does not depend on the machine.
   bool done() const { return done_.load(); }
+  /// In realtime with a listener, once done(): a new recording of the same streams.
+  void begin_again(const Goal& goal);
   /// Why recording ended early; empty while it goes on.
   std::string failure() const;
   Live live() const;
 
   void stop();
-  // after stop():
+  // after stop(), or once done():
   const Series& series() const { return series_; }
   std::string log_hash() const { return log_hash_; }
   double real_time_factor() const { return real_time_factor_; }
@@ -82,18 +101,22 @@ class Recorder {
   void record();
   void finish(Topics& topics);
   void take_words(Topics& topics);                      // of each process; mutex_ is held
+  void look_on(Topics& topics, const wire::Bus& bus);   // once done()
+  void forget(Topics& topics);                          // what was recorded
   bool take_all(Topics& topics, const wire::Bus& bus);  // true when the goal is reached
 
   const wire::BusSettings settings_;
   const std::filesystem::path directory_;
-  const Goal goal_;
+  Goal goal_;
+  Listener* const listener_;
   Series series_;
   std::string log_hash_;
   double real_time_factor_ = kNone;
 
-  mutable std::mutex mutex_;  // of live_ and failure_
+  mutable std::mutex mutex_;  // of what follows
   Live live_;
   std::string failure_;
+  std::optional<Goal> next_goal_;  // under the mutex
   std::atomic<bool> done_{false}, stop_{false};
   std::thread thread_;
   std::unique_ptr<Seat> seat_;  // on a bus within this process

@@ -5,10 +5,11 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/spdlog.h>
 
 #include "cli/in_process.hpp"
+#include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
 #include "cli/recorder.hpp"
 #include "cli/report/pictures.hpp"
@@ -23,11 +24,12 @@ namespace c3rt::cli {
 namespace {
 
 constexpr int kCyclesPerLook = 200;  // of a run in this process
+constexpr double kLookAtLogs = 1.0;  // [s]
 
 /// As watch(), with the nodes in this process.
 Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, LiveTable& table) {
-  const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(
-      (launch.out() / "logs" / "in-process.log").string(), true);
+  const auto sink = std::make_shared<spdlog::sinks::rotating_file_sink_mt>(
+      (launch.out() / "logs" / "in-process.log").string(), kLargestLog, kOlderLogs, true);
   spdlog::logger log("in-process", sink);
   Ending ending;
   try {
@@ -93,15 +95,20 @@ int run(const LaunchSettings& settings) {
   if (!settings.in_process) launch.require_free_bus();
   Supervisor supervisor;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
-                    {task, scenario.task.loops, scenario.task.duration_s});
+                    {task, scenario.task.loops, scenario.task.duration_s}, launch.out());
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
       task.unit(), course_goal, scenario.task.duration_s);
   if (!settings.in_process) launch.start(supervisor, true);
-  const Ending ending =
-      settings.in_process
-          ? run_here(launch, settings.seed, recorder, table)
-          : watch(supervisor, recorder, [&table](const Live& live) { table.update(live); });
+  double looked_at = wall_time();
+  const auto show = [&](const Live& live) {
+    table.update(live);
+    if (wall_time() - looked_at < kLookAtLogs) return;
+    looked_at = wall_time();
+    (void)rotate_logs(launch.out() / "logs");  // a log that grows on is no reason to end the run
+  };
+  const Ending ending = settings.in_process ? run_here(launch, settings.seed, recorder, table)
+                                            : watch(supervisor, recorder, show);
   table.finish(recorder.live());
   recorder.stop();
   const Live live = recorder.live();

@@ -38,7 +38,7 @@ pid_t detach(const std::vector<std::string>& words, const std::filesystem::path&
   const pid_t pid = fork();
   if (pid != 0) return pid;
   setsid();
-  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0644);
   const int nothing = open("/dev/null", O_RDONLY);
   if (output < 0 || nothing < 0 || dup2(nothing, 0) < 0 || dup2(output, 1) < 0 ||
       dup2(output, 2) < 0)
@@ -72,8 +72,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
   // a mistake is told here, not in the log of the detached supervisor; the lock is free again right
   // after
   { const Launch check(settings); }
-  const std::filesystem::path log =
-      runtime_directory() / fmt::format("supervisor-{}.log", settings.domain);
+  const std::filesystem::path log = supervisor_log(settings.domain);
   const pid_t pid = detach(serve_arguments, log);
   if (pid < 0) throw ProcessFailure("cannot start the supervisor");
   const auto deadline = steady_clock::now() + kStart;

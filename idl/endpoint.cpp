@@ -26,7 +26,9 @@ void Endpoint::serve_requests(std::int64_t now_ns, const Obey& obey, std::uint64
   ServiceRequest request{};
   while (requests_.take(request)) {
     if (request.process != process_ || request.verb == c3rt_v2_REQUEST_SHUTDOWN) continue;
-    if (const std::optional<Answer> answer = obey(request.verb)) {
+    if (pending_.size() == kMostPending) {
+      replies_.answer(request.request_id, false, "too many requests wait for an answer", now_ns);
+    } else if (const std::optional<Answer> answer = obey(request.verb)) {
       replies_.answer(request.request_id, answer->ok, answer->text, now_ns);
     } else {
       pending_.push_back({request.request_id, request.verb, cycle});

@@ -23,6 +23,8 @@ constexpr std::uint64_t kCyclesToObey = 2;
 /// A request that an arm at 1 kHz obeys is answered when it is known to have worked. If it has not
 /// after so many cycles, the answer says why not.
 constexpr std::uint64_t kAnswerWithinCycles = 3000;
+/// So many requests may wait for their answers; more are refused.
+constexpr std::size_t kMostPending = 64;
 /// Recovered is what has gone on for so many cycles.
 constexpr int kSteadyCycles = 400;
 

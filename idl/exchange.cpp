@@ -72,6 +72,15 @@ void Exchange::put(const Topic& topic, const void* sample, const Sender& sender,
   of(topic).newest_seq = seq;
   const char* bytes = static_cast<const char*>(sample);
   for (Inbox* inbox : of(topic).readers) {
+    if (inbox->senders_.size() - inbox->taken_ == Inbox::kMostWaiting) ++inbox->taken_;
+    if (inbox->taken_ == Inbox::kMostWaiting) {
+      const auto taken = static_cast<std::ptrdiff_t>(inbox->taken_);
+      inbox->samples_.erase(
+          inbox->samples_.begin(),
+          inbox->samples_.begin() + taken * static_cast<std::ptrdiff_t>(inbox->size_));
+      inbox->senders_.erase(inbox->senders_.begin(), inbox->senders_.begin() + taken);
+      inbox->taken_ = 0;
+    }
     inbox->samples_.insert(inbox->samples_.end(), bytes, bytes + inbox->size_);
     inbox->senders_.push_back(sender);
   }

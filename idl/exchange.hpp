@@ -20,6 +20,9 @@ struct Sender {
 /// Samples of one topic on their way to one reader.
 class Inbox {
  public:
+  /// Of a reader that takes nothing the oldest are lost, as they would be on a network.
+  static constexpr std::size_t kMostWaiting = 1 << 14;
+
   explicit Inbox(const Topic& topic) : topic_(topic), size_(topic.descriptor->m_size) {}
 
  private:

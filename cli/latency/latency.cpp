@@ -191,13 +191,13 @@ class Measurement {
       report_.rows.push_back(row("servo_compute", "servo compute", servo->compute));
       measured.servo_compute = report_.rows.back().times;
     }
-    Latencies times = cli::latencies(series);
+    const Latencies times = cli::latencies(series);
     report_.rows.push_back(row("state_to_command", kProcessStage, "state to command",
-                               std::move(times.state_to_command)));
+                               {times.state_to_command.begin(), times.state_to_command.end()}));
     report_.rows.push_back(row("exposure_to_plan", kProcessStage, "exposure to plan",
-                               std::move(times.exposure_to_plan)));
+                               {times.exposure_to_plan.begin(), times.exposure_to_plan.end()}));
     report_.rows.push_back(row("exposure_to_torque", kProcessStage, "exposure to torque",
-                               std::move(times.exposure_to_torque)));
+                               {times.exposure_to_torque.begin(), times.exposure_to_torque.end()}));
     measured.success = success_rate(series);
     measured.stalls = stalls(record.references);
     measured.missed = missed_cycles(series, measured.stalls,

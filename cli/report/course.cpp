@@ -31,7 +31,7 @@ std::optional<std::int64_t> task_start_ns(const Series& series) {
 }
 
 PathErrors path_errors(const Series& series, const task::Task& task, int object) {
-  PathErrors errors;
+  PathErrors errors{LongRows<double>(series.folder), LongRows<double>(series.folder)};
   const auto start = task_start_ns(series);
   if (!start) return errors;
   for (const SceneRow& row : series.scene) {

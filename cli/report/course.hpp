@@ -36,8 +36,8 @@ std::optional<std::int64_t> task_start_ns(const Series& series);
 
 /// How far an object is from where it should be, from the task's begin on.
 struct PathErrors {
-  std::vector<double> time;   // since the task began [s]
-  std::vector<double> error;  // Task::error [m]
+  LongRows<double> time;   // since the task began [s]
+  LongRows<double> error;  // Task::error [m]
 };
 PathErrors path_errors(const Series& series, const task::Task& task, int object);
 

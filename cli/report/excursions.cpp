@@ -19,8 +19,8 @@ struct Row {
   double error;  // of the worst object [m]
 };
 
-std::vector<Row> judged_rows(const Series& series, const task::Task& task, double judged_from) {
-  std::vector<Row> rows;
+LongRows<Row> judged_rows(const Series& series, const task::Task& task, double judged_from) {
+  LongRows<Row> rows(series.folder);
   const auto task_start = task_start_ns(series);
   if (!task_start) return rows;
   for (const SceneRow& row : series.scene) {
@@ -36,7 +36,7 @@ std::vector<Row> judged_rows(const Series& series, const task::Task& task, doubl
 ExcursionFigures excursion_figures(const Series& series, const task::Task& task, double judged_from,
                                    const std::vector<plant::Push>& pushes) {
   ExcursionFigures figures;
-  const std::vector<Row> rows = judged_rows(series, task, judged_from);
+  const LongRows<Row> rows = judged_rows(series, task, judged_from);
   if (rows.empty()) return figures;
   const double end = rows.back().time;
   figures.longest = figures.largest = 0.0;

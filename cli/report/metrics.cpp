@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
 
 #include "cli/report/tracking.hpp"
 #include "controller/base/quantile.hpp"
@@ -24,7 +23,7 @@ ObjectFigures object_figures(const Series& series, const task::Task& task, int o
     double error;
     double duration;
   };
-  std::vector<Weighted> rows;
+  LongRows<Weighted> rows(series.folder);
   double total = 0.0, squares = 0.0, wide = 0.0, narrow = 0.0;
   for (std::size_t i = 0; i + 1 < series.scene.size(); ++i) {
     const SceneRow& row = series.scene[i];
@@ -99,7 +98,7 @@ ObjectFigures worst_figures(const Series& series, const task::Task& task, int ob
 
 /// Rows per second between the first and the last one; kNone for fewer than two.
 template <typename Row>
-double rate(const std::vector<Row>& rows) {
+double rate(const LongRows<Row>& rows) {
   if (rows.size() < 2 || rows.back().time_ns <= rows.front().time_ns) return kNone;
   return static_cast<double>(rows.size() - 1) / seconds(rows.back().time_ns - rows.front().time_ns);
 }
@@ -129,14 +128,17 @@ std::optional<TruePose> truth(const Series& series, int object, std::int64_t tim
 }
 
 void add_vision(const Series& series, Figures& figures) {
-  std::vector<EstimateRow> valid;
-  std::vector<double> errors, angle_errors;
-  std::unordered_set<std::int64_t> answered;
+  // one estimate per exposure and object: the rate is that of the first object
+  LongRows<EstimateRow> of_first(series.folder);
+  LongRows<double> errors(series.folder), angle_errors(series.folder);
+  LongRows<std::int64_t> answered(series.folder);
+  std::size_t valid = 0;
   double cameras = 0.0;
   for (const EstimateRow& row : series.estimate) {
-    answered.insert(row.exposure_ns);
+    answered.push_back(row.exposure_ns);
     if (!row.valid) continue;
-    valid.push_back(row);
+    ++valid;
+    if (row.object == 0) of_first.push_back(row);
     cameras += row.sensors_used;
     if (const auto pose = truth(series, row.object, row.exposure_ns)) {
       errors.push_back((row.p_measured - pose->p_WB).norm());
@@ -144,20 +146,18 @@ void add_vision(const Series& series, Figures& figures) {
         angle_errors.push_back(row.q_measured.angularDistance(pose->q_WB));
     }
   }
-  figures.vision_error = spread(std::move(errors));
-  figures.vision_angle_error = spread(std::move(angle_errors));
+  figures.vision_error = spread_of(errors);
+  figures.vision_angle_error = spread_of(angle_errors);
   if (series.estimate.empty()) return;
-  if (!valid.empty()) figures.cameras_used_mean = cameras / static_cast<double>(valid.size());
-  // one estimate per exposure and object: the rate is that of the first object
-  valid.erase(std::remove_if(valid.begin(), valid.end(),
-                             [](const EstimateRow& row) { return row.object != 0; }),
-              valid.end());
-  figures.vision_rate = rate(valid);
+  if (valid > 0) figures.cameras_used_mean = cameras / static_cast<double>(valid);
+  figures.vision_rate = rate(of_first);
+  std::sort(answered.begin(), answered.end());
   const std::int64_t first = series.estimate.front().exposure_ns,
                      last = series.estimate.back().exposure_ns;
   for (const SceneRow& row : series.scene) {
     const bool due = row.exposure && row.time_ns >= first && row.time_ns <= last;
-    if (due && answered.count(row.time_ns) == 0) ++figures.dropped_frames;
+    if (due && !std::binary_search(answered.begin(), answered.end(), row.time_ns))
+      ++figures.dropped_frames;
   }
 }
 
@@ -238,19 +238,30 @@ std::vector<CriterionResult> judge(const std::vector<Limit>& limits,
   return results;
 }
 
-Spread spread(std::vector<double> samples) {
+namespace {
+
+template <typename Samples>
+Spread sorted_spread(Samples& samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());
-  return {base::quantile_nearest(samples, 0.50), base::quantile_nearest(samples, 0.95),
-          base::quantile_nearest(samples, 0.99), samples.back()};
+  const auto quantile = [&samples](double share) {
+    return samples[base::nearest_rank(samples.size(), share) - 1];
+  };
+  return {quantile(0.50), quantile(0.95), quantile(0.99), samples.back()};
 }
+
+}  // namespace
+
+Spread spread(std::vector<double> samples) { return sorted_spread(samples); }
+Spread spread_of(LongRows<double>& samples) { return sorted_spread(samples); }
 
 std::int64_t start_ns(const Series& series) {
   return series.scene.empty() ? 0 : series.scene.front().time_ns;
 }
 
 Latencies latencies(const Series& series) {
-  Latencies result;
+  Latencies result{LongRows<double>(series.folder), LongRows<double>(series.folder),
+                   LongRows<double>(series.folder)};
   for (const PlanRow& plan : series.plan) {
     if (plan.exposure_ns != 0)
       result.exposure_to_plan.push_back(seconds(plan.time_ns - plan.exposure_ns));
@@ -275,23 +286,23 @@ Figures evaluate(const Series& series, const task::Task& task, const std::vector
     figures.duration = seconds(series.scene.back().time_ns - start_ns(series));
   add_course(series, task, pushes, figures);
   TrackingErrors tracking = tracking_errors(series);
-  figures.tracking_error = spread(std::move(tracking.task.error));
-  figures.approach_error = spread(std::move(tracking.approach.error));
-  std::vector<double> solve_times;
+  figures.tracking_error = spread_of(tracking.task.error);
+  figures.approach_error = spread_of(tracking.approach.error);
+  LongRows<double> solve_times(series.folder);
   for (const PlanRow& plan : series.plan) {
     if (plan.solve_time > 0.0) solve_times.push_back(plan.solve_time);
     figures.overruns += plan.truncated ? 1 : 0;
     figures.fallbacks += plan.fallback ? 1 : 0;
   }
   figures.planner_rate = rate(series.plan);
-  figures.solve_time = spread(std::move(solve_times));
+  figures.solve_time = spread_of(solve_times);
   figures.impedance_rate = rate(series.command);
   add_vision(series, figures);
 
   Latencies measured = latencies(series);
-  figures.state_to_command = spread(std::move(measured.state_to_command));
-  figures.exposure_to_plan = spread(std::move(measured.exposure_to_plan));
-  figures.exposure_to_torque = spread(std::move(measured.exposure_to_torque));
+  figures.state_to_command = spread_of(measured.state_to_command);
+  figures.exposure_to_plan = spread_of(measured.exposure_to_plan);
+  figures.exposure_to_torque = spread_of(measured.exposure_to_torque);
 
   const auto first_tracking = std::find_if(series.command.begin(), series.command.end(),
                                            [](const CommandRow& row) { return row.tracking; });

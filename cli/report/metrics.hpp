@@ -24,6 +24,8 @@ struct Spread {
   double max = kNone;
 };
 Spread spread(std::vector<double> samples);
+/// The same of many; sorts them.
+Spread spread_of(LongRows<double>& samples);
 
 /// One limit of the scenario; its names are those that config/scenario.cpp lets through.
 struct Limit {
@@ -99,9 +101,9 @@ Figures evaluate(const Series& series, const task::Task& task, const std::vector
 
 /// exposure → plan and state → command, exposure → torque, sample by sample [s]
 struct Latencies {
-  std::vector<double> state_to_command;
-  std::vector<double> exposure_to_plan;
-  std::vector<double> exposure_to_torque;
+  LongRows<double> state_to_command;
+  LongRows<double> exposure_to_plan;
+  LongRows<double> exposure_to_torque;
 };
 Latencies latencies(const Series& series);
 

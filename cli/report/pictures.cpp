@@ -28,13 +28,12 @@ std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / 
 
 /// Rows "time error" [s, mm], the largest of those that share a column of pixels: thinning must not
 /// hide a peak.
-std::string thinned(const std::vector<double>& time, const std::vector<double>& error) {
+std::string thinned(const LongRows<double>& time, const LongRows<double>& error) {
   std::string rows;
   const std::size_t step = stride(time.size());
   for (std::size_t i = 0; i < time.size(); i += step) {
     const std::size_t end = std::min(i + step, time.size());
-    const double largest = *std::max_element(error.begin() + static_cast<std::ptrdiff_t>(i),
-                                             error.begin() + static_cast<std::ptrdiff_t>(end));
+    const double largest = *std::max_element(error.begin() + i, error.begin() + end);
     rows += fmt::format("{:.4f} {:.5f}\n", time[i], largest * 1e3);
   }
   return rows;
@@ -133,10 +132,10 @@ std::string tracking_script(const Series& series, const std::string& title) {
 
 /// Rows "value count" of a histogram up to the 99.9 % quantile [ms]; what is longer counts in the
 /// last bin.
-std::string histogram(std::vector<double> samples, double& width) {
+/// @param samples sorted
+std::string histogram(const LongRows<double>& samples, double& width) {
   width = 1.0;
   if (samples.empty()) return "0 0\n";
-  std::sort(samples.begin(), samples.end());
   constexpr int kBins = 60;
   const double last =
       samples[static_cast<std::size_t>(0.999 * static_cast<double>(samples.size() - 1))] * 1e3;
@@ -155,9 +154,9 @@ std::string histogram(std::vector<double> samples, double& width) {
 }
 
 std::string histogram_panel(const std::string& name, const std::string& label,
-                            const std::vector<double>& samples) {
+                            LongRows<double>& samples) {
   double width = 1.0;
-  const Spread figures = spread(samples);
+  const Spread figures = spread_of(samples);
   std::string script = "$" + name + " << EOD\n" + histogram(samples, width) + "EOD\n";
   const std::string quantiles =
       samples.empty() ? "no samples"
@@ -177,8 +176,8 @@ std::string histogram_panel(const std::string& name, const std::string& label,
 std::string draw_pictures(const std::filesystem::path& directory, const Series& series,
                           const task::Task& task, const Figures& figures,
                           const std::string& title) {
-  const Latencies measured = latencies(series);
-  std::vector<double> solve_times;
+  Latencies measured = latencies(series);
+  LongRows<double> solve_times(series.folder);
   for (const PlanRow& plan : series.plan) {
     if (plan.solve_time > 0.0) solve_times.push_back(plan.solve_time);
   }

@@ -3,11 +3,12 @@
 // order of time.
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include <Eigen/Geometry>
+
+#include "cli/report/long_rows.hpp"
 
 namespace c3rt::cli {
 
@@ -80,11 +81,22 @@ struct EstimateRow {
 };
 
 struct Series {
-  std::vector<SceneRow> scene;
-  std::vector<StateRow> state;
-  std::vector<CommandRow> command;
-  std::vector<PlanRow> plan;
-  std::vector<EstimateRow> estimate;
+  Series() = default;
+  /// @param folder_of_files that take what is too long for the memory: LongRows
+  explicit Series(const std::filesystem::path& folder_of_files)
+      : folder(folder_of_files),
+        scene(folder),
+        state(folder),
+        command(folder),
+        plan(folder),
+        estimate(folder) {}
+
+  std::filesystem::path folder;  // empty: all of it stays in memory
+  LongRows<SceneRow> scene;
+  LongRows<StateRow> state;
+  LongRows<CommandRow> command;
+  LongRows<PlanRow> plan;
+  LongRows<EstimateRow> estimate;
 };
 
 }  // namespace c3rt::cli

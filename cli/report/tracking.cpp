@@ -12,17 +12,18 @@ constexpr std::int64_t kSettling = 1'000'000'000;  // first second of tracking [
 
 /// The row of this instant; nullptr where it was lost on the way.
 template <typename Row>
-const Row* at(const std::vector<Row>& rows, std::int64_t time_ns) {
+const Row* at(const LongRows<Row>& rows, std::int64_t time_ns) {
   const auto found =
       std::lower_bound(rows.begin(), rows.end(), time_ns,
                        [](const Row& row, std::int64_t t) { return row.time_ns < t; });
-  return found == rows.end() || found->time_ns != time_ns ? nullptr : &*found;
+  return found == rows.end() || found->time_ns != time_ns ? nullptr : found;
 }
 
 }  // namespace
 
 TrackingErrors tracking_errors(const Series& series) {
-  TrackingErrors result;
+  TrackingErrors result{{LongRows<double>(series.folder), LongRows<double>(series.folder)},
+                        {LongRows<double>(series.folder), LongRows<double>(series.folder)}};
   std::int64_t tracking_since = 0;
   for (const CommandRow& command : series.command) {
     if (!command.tracking) continue;

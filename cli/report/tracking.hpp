@@ -1,15 +1,13 @@
 #pragma once
 // How well the end effector follows its plans.
-#include <vector>
-
 #include "cli/report/series.hpp"
 
 namespace c3rt::cli {
 
 /// |p_WE − p_WE_desired| of the commands that track a plan, sample by sample.
 struct TrackingError {
-  std::vector<double> time;   // since the recording's start [s]
-  std::vector<double> error;  // [m]
+  LongRows<double> time;   // since the recording's start [s]
+  LongRows<double> error;  // [m]
 };
 
 struct TrackingErrors {

@@ -94,6 +94,29 @@ TEST_CASE("endpoint: a process obeys its own requests in order, and never sees a
   CHECK(std::string(reply.text) == "heard");
 }
 
+TEST_CASE("endpoint: so many requests wait for an answer, and one more is refused") {
+  World world(c3rt_v2_PROCESS_PLANT);
+  std::size_t obeyed = 0;
+  const auto serve = [&] {
+    world.endpoint.serve_requests(rt::now_ns(), [&](c3rt_v2_RequestVerb) {
+      ++obeyed;
+      return std::optional<Answer>();
+    });
+  };
+  for (std::size_t id = 1; id <= kMostPending; ++id) {
+    world.ask(id, c3rt_v2_PROCESS_PLANT, c3rt_v2_REQUEST_STOP);
+    REQUIRE(eventually([&] {
+      serve();
+      return obeyed == id;
+    }));
+  }
+  world.ask(kMostPending + 1, c3rt_v2_PROCESS_PLANT, c3rt_v2_REQUEST_STOP);
+  const ServiceReply reply = world.reply_to(kMostPending + 1, serve);
+  CHECK_FALSE(reply.ok);
+  CHECK(std::string(reply.text) == "too many requests wait for an answer");
+  CHECK(obeyed == kMostPending);
+}
+
 TEST_CASE("endpoint: what is not answered at once is judged after two cycles, at last when late") {
   World world(c3rt_v2_PROCESS_PLANT);
   world.ask(1, c3rt_v2_PROCESS_PLANT, c3rt_v2_REQUEST_STOP);

@@ -53,6 +53,27 @@ TEST_CASE("exchange: every reader gets every sample once, in order, with session
   }
 }
 
+TEST_CASE("exchange: of a reader that takes nothing the newest are kept, and the others are lost") {
+  Exchange exchange;
+  Inbox inbox(topic<RobotState>());
+  exchange.add_reader(inbox);
+  RobotState sample{};
+  constexpr std::uint64_t kWritten = 100'000;
+  for (std::uint64_t seq = 1; seq <= kWritten; ++seq) {
+    sample.header.seq = seq;
+    exchange.put(topic<RobotState>(), &sample, {1, 1}, seq);
+  }
+  Sender sender{};
+  std::uint64_t taken = 0, first = 0;
+  while (exchange.take(inbox, &sample, sender)) {
+    if (++taken == 1) first = sample.header.seq;
+    REQUIRE(sample.header.seq == first + taken - 1);
+  }
+  CHECK(sample.header.seq == kWritten);
+  CHECK(taken == Inbox::kMostWaiting);
+  exchange.remove_reader(inbox);
+}
+
 TEST_CASE("exchange: a reader gets what is written while it is there, and nobody else's") {
   const auto exchange = make_exchange();
   Bus plant(settings(exchange)), planner(settings(exchange)), stranger(settings(make_exchange()));
