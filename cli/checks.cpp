@@ -146,6 +146,29 @@ CLI::Validator number(double min, double max) {
       fmt::format("{:g} to {:g}", min, max));
 }
 
+CLI::Validator duration(double min_s, double max_s) {
+  const std::string expected =
+      fmt::format("a time from {:g} s to {:g} h, as 90s, 15m, 24h", min_s, max_s / 3600.0);
+  return CLI::Validator(
+      [=](std::string& input) {
+        const std::size_t end = input.find_last_of("0123456789.") + 1;
+        const std::string unit = input.substr(end);
+        const double factor = unit.empty() || unit == "s"    ? 1.0
+                              : unit == "m" || unit == "min" ? 60.0
+                              : unit == "h"                  ? 3600.0
+                              : unit == "d"                  ? 86400.0
+                                                             : 0.0;
+        double value = 0.0;
+        const bool fits = factor > 0.0 && parse(input.substr(0, end), value) &&
+                          std::isfinite(value) && value * factor >= min_s &&
+                          value * factor <= max_s;
+        if (!fits) return "expected " + expected + got(input);
+        input = fmt::format("{}", value * factor);
+        return std::string();
+      },
+      "TIME");
+}
+
 CLI::Validator one_of(std::vector<std::string> words) {
   const std::string known = joined(words);
   return CLI::Validator(

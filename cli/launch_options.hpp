@@ -17,12 +17,21 @@
 
 namespace c3rt::cli {
 
-/// Of c3rt run, up and serve.
+/// Of c3rt run, up, serve and soak.
 struct LaunchOptions {
   LaunchSettings settings;
   double duration_s = 0.0;
 
   void add_to(CLI::App& command) {
+    add_scenario_to(command);
+    command
+        .add_option("--duration", duration_s,
+                    "Ends the run after this long [s]; default: the scenario's")
+        ->check(number(0.1, 1e6));
+  }
+
+  /// The same without the length of a run.
+  void add_scenario_to(CLI::App& command) {
     command_ = &command;
     command.add_option("scenario", settings.scenario, "Name of a scenario, or a path to its file")
         ->required();
@@ -32,10 +41,6 @@ struct LaunchOptions {
     command.add_option("--seed", settings.seed, "Seed of every random number")
         ->check(whole(0, std::numeric_limits<long long>::max()))
         ->capture_default_str();
-    command
-        .add_option("--duration", duration_s,
-                    "Ends the run after this long [s]; default: the scenario's")
-        ->check(number(0.1, 1e6));
     command
         .add_option("--set", settings.overrides,
                     "Overrides one key of the scenario: section.key=value")
@@ -56,21 +61,26 @@ struct LaunchOptions {
     if (settings.in_process) refuse_what_needs_a_bus();
     settings.lockstep = settings.in_process || clock_ == "lockstep";
     settings.any_domain = domain_ == "any";
-    if (settings.any_domain && verb != "run")
-      throw UsageError("--domain any: only for c3rt run; a service is found by its number");
+    if (settings.any_domain && verb == "up")
+      throw UsageError("--domain any: not for a service, which is found by its number");
     settings.domain = settings.any_domain ? 0 : static_cast<std::uint32_t>(std::stoul(domain_));
     if (duration_s > 0.0)
       settings.overrides.push_back(fmt::format("task.duration_s={}", duration_s));
     return settings;
   }
 
-  /// Of c3rt run alone.
-  void add_results_to(CLI::App& command) {
+  /// Of c3rt run and soak.
+  void add_in_process_to(CLI::App& command) {
     command.add_flag(
         "--in-process", settings.in_process,
         "The same nodes in one process, in simulated time and without DDS: the samples "
         "and the log_hash of --clock lockstep, many times sooner");
     command.add_flag("!--no-pictures", settings.pictures, "Draws nothing");
+  }
+
+  /// Of c3rt run alone.
+  void add_results_to(CLI::App& command) {
+    add_in_process_to(command);
     command.add_flag("!--no-logs", settings.logs,
                      "Keeps no samples (log/TOPIC.csv): the report alone");
   }

@@ -32,6 +32,7 @@
 #include "cli/run.hpp"
 #include "cli/scenario.hpp"
 #include "cli/service.hpp"
+#include "cli/soak/soak.hpp"
 #include "cli/solve.hpp"
 #include "controller/task/registry.hpp"
 #include "controller/task/request.hpp"
@@ -51,6 +52,7 @@ constexpr const char* kExitStatus =
 
 /// The longest that a person may want something to take: a day [s]
 constexpr double kLongest = 86400.0;
+constexpr double kLongestSoak = 30 * kLongest;  // [s]
 
 void add_seat(CLI::App& command, cli::Seat& seat) {
   command.add_option("--domain", seat.domain, "DDS domain")
@@ -132,6 +134,7 @@ class CommandLine {
         });
     launch_.add_to(*run);
     launch_.add_results_to(*run);
+    add_soak();
     up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
       const cli::LaunchSettings settings = up_.read("up");
       return cli::up(settings, up_.words());
@@ -156,6 +159,23 @@ class CommandLine {
                  "What this machine can hold: wake-up, DDS, servo, image to torque",
                  [this] { return cli::latency::run(latency_); }),
         latency_);
+  }
+
+  void add_soak() {
+    CLI::App* soak =
+        command(app_, "soak", "The task again and again, with invariants looked at on every sample",
+                [this] {
+                  soak_.launch = soaked_.read("soak");
+                  return cli::soak::run(soak_);
+                });
+    soaked_.add_scenario_to(*soak);
+    soaked_.add_in_process_to(*soak);
+    soak->add_option("--duration", soak_.duration,
+                     "In all, of simulated time or in realtime of the wall's: 10s, 90m, 24h")
+        ->transform(cli::duration(1.0, kLongestSoak))
+        ->default_str("10m");
+    soak->add_option("--passes", soak_.passes, "Ends after so many, if the time is not over before")
+        ->check(cli::whole(1, kMostLines));
   }
 
   void add_requests() {
@@ -528,7 +548,8 @@ class CommandLine {
 
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
-  cli::LaunchOptions launch_, up_, serve_;
+  cli::LaunchOptions launch_, up_, serve_, soaked_;
+  cli::soak::Settings soak_;
   cli::campaign::Settings campaign_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;

@@ -134,6 +134,14 @@ std::vector<std::string> Supervisor::stop(double grace_s) {
   return killed;
 }
 
+std::vector<std::pair<std::string, pid_t>> Supervisor::pids() const {
+  std::vector<std::pair<std::string, pid_t>> result;
+  for (const Child& child : children_) {
+    if (!child.ended) result.emplace_back(child.spec.name, child.pid);
+  }
+  return result;
+}
+
 int Supervisor::running() const {
   int count = 0;
   for (const Child& child : children_) count += child.ended ? 0 : 1;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
@@ -47,6 +48,8 @@ class Supervisor {
   /// @return the names of those that had to be killed
   std::vector<std::string> stop(double grace_s = 5.0);
 
+  /// The children that are running, with their process ids.
+  std::vector<std::pair<std::string, pid_t>> pids() const;
   /// How many children are running.
   int running() const;
 

@@ -20,10 +20,15 @@ constexpr double kLongestSilence =
 
 Ending watch(Supervisor& supervisor, const Recorder& recorder,
              const std::function<void(const Live&)>& show) {
+  return watch_until([&recorder] { return recorder.done(); }, supervisor, recorder, show);
+}
+
+Ending watch_until(const std::function<bool()>& over, Supervisor& supervisor,
+                   const Recorder& recorder, const std::function<void(const Live&)>& show) {
   Ending ending;
   std::uint64_t last_steps = 0;
   double heard_at = wall_time();
-  while (!recorder.done()) {
+  while (!over()) {
     if (wire::StopFlag::requested()) {
       ending.interrupted = true;
       break;

@@ -19,5 +19,8 @@ struct Ending {
 /// @param show gets what is seen, twenty times a second
 Ending watch(Supervisor& supervisor, const Recorder& recorder,
              const std::function<void(const Live&)>& show);
+/// The same until something else is so.
+Ending watch_until(const std::function<bool()>& over, Supervisor& supervisor,
+                   const Recorder& recorder, const std::function<void(const Live&)>& show);
 
 }  // namespace c3rt::cli

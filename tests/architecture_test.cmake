@@ -50,9 +50,11 @@ may(cli/campaign cli cli/report cli/example config controller/base)
 may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/base controller/scene controller/lcs
     controller/c3 controller/horizon controller/example controller/model controller/planner)
 may(cli/mesh controller/scene)
+may(cli/invariants cli/report controller/base controller/task idl plant_emulator)
+may(cli/soak cli cli/report cli/invariants config idl controller/base controller/rt controller/task plant_emulator)
 may(cli/doctor cli config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency config idl controller/base controller/rt controller/task
+may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency cli/soak config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario
@@ -75,7 +77,7 @@ files_may("_main[.]cpp$" config idl controller/base controller/rt)
 # Pure rooms: a function of its arguments, whose files name no bus, file, clock, thread or configuration.
 set(pure controller/base controller/scene controller/task controller/lcs controller/qp controller/c3 controller/horizon
     controller/miqp
-    controller/model controller/example controller/planner controller/impedance vision/track vision/tag)
+    controller/model controller/example controller/planner controller/impedance vision/track vision/tag cli/invariants)
 set(impure_files "/load_[a-z_]+[.][ch]pp$|_main[.]cpp$|/service[.]|/servo[.]")
 set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco")
 

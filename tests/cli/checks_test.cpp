@@ -25,6 +25,24 @@ TEST_CASE("checks: a number is finite, whole where it must be, and in its range"
   CHECK_THAT(said(whole_or(0, 230, "any"), "all"), Contains("0 to 230, or any, got \"all\""));
 }
 
+TEST_CASE("checks: a length of time has a unit or is in seconds, and becomes seconds") {
+  const auto seconds = [](std::string input) {
+    const std::string wrong = duration(1, 172800)(input);
+    return wrong.empty() ? std::stod(input) : -1.0;
+  };
+  CHECK(seconds("90") == 90.0);
+  CHECK(seconds("10s") == 10.0);
+  CHECK(seconds("90m") == 5400.0);
+  CHECK(seconds("1.5min") == 90.0);
+  CHECK(seconds("24h") == 86400.0);
+  CHECK(seconds("2d") == 172800.0);
+  for (const char* bad :
+       {"", "h", "0.5", "49h", "10 s", "10x", "10ms", "nan", "infm", "-5m", "1h30m"})
+    CHECK(seconds(bad) == -1.0);
+  CHECK_THAT(said(duration(1, 172800), "10x"),
+             Contains("expected a time from 1 s to 48 h, as 90s, 15m, 24h, got \"10x\""));
+}
+
 TEST_CASE("checks: what was typed is shown without control characters and cut") {
   CHECK_THAT(said(whole(0, 9), "\x1b[2J"), Contains("got \"\\x1b[2J\""));
   CHECK(said(whole(0, 9), std::string(100000, 'x')).size() < 300);
