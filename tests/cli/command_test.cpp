@@ -81,7 +81,7 @@ TEST_CASE("a word that is no command, and no word at all, are usage errors in a 
   CHECK_THAT(unknown.output, Contains("there is no command \"staus\"; did you mean \"status\"?"));
   const Outcome none = Place().c3rt("");
   CHECK(none.status == 2);
-  CHECK_THAT(none.output, Contains("a command is missing, one of: run, up"));
+  CHECK_THAT(none.output, Contains("a command is missing, one of: run, "));
   const Outcome half = Place().c3rt("fault");
   CHECK(half.status == 2);
   CHECK_THAT(half.output, Contains("c3rt fault: a command is missing, one of: push-object"));

@@ -28,8 +28,9 @@ constexpr double kOff = 0.015;     // what is at its goal is left by this [m]
 constexpr double kUnmoved = 0.99;  // a body with more left than this part has not come nearer
 // A body that is tilted by this is let go, before it falls onto another side [rad].
 constexpr double kTilted = 0.1;
-// What lies still and is promised nothing for so long, from where the end effector is, is left [s].
+// What lies still and is promised nothing for so long, from where the end effector is, is left [s],
 constexpr double kPatience = 0.1;
+constexpr double kPatientPeriods = 2.5;  // and for more periods than this
 // An arm that comes no nearer to a place by this part within this time cannot reach it [s].
 constexpr double kArrivalPart = 0.02, kArrivalTime = 3.0;
 
@@ -295,8 +296,9 @@ class Sampling final : public Strategy {
         // nor is it where there is no plan, or only one that pushes a body out of reach
         const scene::Body& body = now.scene.body(s.body);
         if (rolls(body) || s.here.gain() > of_.margin * s.here.still) s.promised = input.now;
-        const bool made = s.headway.made(input.now, left) && s.here.known && !tilted(body) &&
-                          input.now - s.promised < kPatience;
+        const bool made =
+            s.headway.made(input.now, left) && s.here.known && !tilted(body) &&
+            input.now - s.promised < std::max(kPatience, kPatientPeriods * now.period);
         if (!made) s.places.fail(s.body, p_WE);
         const auto best = [&] { return s.places.best_of(s.body, p_WE, kApart); };
         const bool leaves = !made || (input.now - s.since >= of_.least_time && best() != nullptr &&
