@@ -116,7 +116,7 @@ std::vector<Stall> stalls(const std::vector<std::vector<Wakeup>>& threads) {
 
 SuccessRate success_rate(const Series& series) {
   SuccessRate result;
-  const auto first = first_tracking(series);
+  const auto* const first = first_tracking(series);
   if (first == series.command.end()) return result;
   double sum = 0.0;
   for (const StateRow& state : series.state) {
@@ -139,7 +139,7 @@ double MissedCycles::share_outside() const {
 MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls,
                            std::int64_t from_ns) {
   MissedCycles result;
-  const auto first = first_tracking(series);
+  const auto* const first = first_tracking(series);
   if (first == series.command.end()) return result;
   std::vector<std::int64_t> answered;
   answered.reserve(series.command.size());

@@ -79,7 +79,8 @@ class LongRows {
   bool in_file() const noexcept { return memory_.in_file(); }
 
   void push_back(const Row& row) {
-    const Row copy = row;  // it may be one of these
+    // it may be one of these. NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
+    const Row copy = row;
     memory_.reserve((size_ + 1) * sizeof(Row));
     new (begin() + size_) Row(copy);
     memory_.let_go(++size_ * sizeof(Row));
