@@ -24,8 +24,8 @@ double worst_error(const task::Task& task, double elapsed, const SceneRow& row) 
 }
 
 std::optional<std::int64_t> task_start_ns(const Series& series) {
-  const auto first = std::find_if(series.plan.begin(), series.plan.end(),
-                                  [](const PlanRow& plan) { return plan.rolling; });
+  const auto* const first = std::find_if(series.plan.begin(), series.plan.end(),
+                                         [](const PlanRow& plan) { return plan.rolling; });
   if (first == series.plan.end()) return std::nullopt;
   return first->state_ns;
 }

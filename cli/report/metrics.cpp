@@ -110,7 +110,7 @@ struct TruePose {
 
 /// Of an object at time_ns, between the rows around it; nothing outside or over a gap.
 std::optional<TruePose> truth(const Series& series, int object, std::int64_t time_ns) {
-  const auto after =
+  const auto* const after =
       std::lower_bound(series.scene.begin(), series.scene.end(), time_ns,
                        [](const SceneRow& row, std::int64_t t) { return row.time_ns < t; });
   const auto index = static_cast<std::size_t>(object);
@@ -118,7 +118,7 @@ std::optional<TruePose> truth(const Series& series, int object, std::int64_t tim
     return std::nullopt;
   if (after->time_ns == time_ns) return TruePose{after->p_WB[index], after->q_WB[index]};
   if (after == series.scene.begin()) return std::nullopt;
-  const auto before = std::prev(after);
+  const auto* const before = std::prev(after);
   if (after->time_ns - before->time_ns > kLargestSceneGap || object >= before->object_count)
     return std::nullopt;
   const double share =
@@ -304,8 +304,9 @@ Figures evaluate(const Series& series, const task::Task& task, const std::vector
   figures.exposure_to_plan = spread_of(measured.exposure_to_plan);
   figures.exposure_to_torque = spread_of(measured.exposure_to_torque);
 
-  const auto first_tracking = std::find_if(series.command.begin(), series.command.end(),
-                                           [](const CommandRow& row) { return row.tracking; });
+  const auto* const first_tracking =
+      std::find_if(series.command.begin(), series.command.end(),
+                   [](const CommandRow& row) { return row.tracking; });
   for (const StateRow& row : series.state) {
     if (row.reflex) figures.error_bits |= row.errors;
     const bool commanded =

@@ -13,7 +13,7 @@ constexpr std::int64_t kSettling = 1'000'000'000;  // first second of tracking [
 /// The row of this instant; nullptr where it was lost on the way.
 template <typename Row>
 const Row* at(const LongRows<Row>& rows, std::int64_t time_ns) {
-  const auto found =
+  const auto* const found =
       std::lower_bound(rows.begin(), rows.end(), time_ns,
                        [](const Row& row, std::int64_t t) { return row.time_ns < t; });
   return found == rows.end() || found->time_ns != time_ns ? nullptr : found;
