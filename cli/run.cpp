@@ -8,7 +8,7 @@
 #include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/spdlog.h>
 
-#include "cli/in_process.hpp"
+#include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
 #include "cli/recorder.hpp"
@@ -18,12 +18,10 @@
 #include "cli/watch.hpp"
 #include "idl/process.hpp"
 #include "plant_emulator/errors.hpp"
-#include "plant_emulator/pushes.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-constexpr int kCyclesPerLook = 200;  // of a run in this process
 constexpr double kLookAtLogs = 1.0;  // [s]
 
 /// As watch(), with the nodes in this process.
@@ -31,24 +29,12 @@ Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, Li
   const auto sink = std::make_shared<spdlog::sinks::rotating_file_sink_mt>(
       (launch.out() / "logs" / "in-process.log").string(), kLargestLog, kOlderLogs, true);
   spdlog::logger log("in-process", sink);
-  Ending ending;
-  try {
-    InProcess nodes(launch.scenario(), seed, launch.bus(),
-                    [&log](wire::Process process, bool attention, const std::string& said) {
-                      log.log(attention ? spdlog::level::warn : spdlog::level::info, "{}: {}",
-                              wire::process_name(process), said);
-                    });
-    nodes.join(Recorder::kPeriod_ns,
-               [&recorder](const wire::Sequences& newest) { recorder.take(newest); });
-    for (int cycle = 0; !recorder.done() && !ending.interrupted; ++cycle) {
-      ending.interrupted = wire::StopFlag::requested();
-      nodes.advance();
-      if (cycle % kCyclesPerLook == 0) table.update(recorder.live());
-    }
-  } catch (const std::exception& error) {
-    ending.failed = ending.details = error.what();
-  }
-  return ending;
+  const auto tell = [&log](wire::Process process, bool attention, const std::string& said) {
+    log.log(attention ? spdlog::level::warn : spdlog::level::info, "{}: {}",
+            wire::process_name(process), said);
+  };
+  return watch_in_process(launch.scenario(), seed, launch.bus(), recorder, tell,
+                          [&table](const Live& live) { table.update(live); });
 }
 
 Spread spread_of(const wire::Quantiles& quantiles) {
@@ -81,8 +67,6 @@ int run(const LaunchSettings& settings) {
   Launch launch(settings);
   const config::Scenario& scenario = launch.scenario();
   const task::Task task = scenario.task.motion.seeded(settings.seed);
-  std::vector<Limit> limits;
-  for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
 
   fmt::print("c3rt run {} ({}{}, seed {}): {}\n", scenario.name, settings.clock_name(),
              settings.in_process ? " in one process" : "", settings.seed, scenario.description);
@@ -112,18 +96,13 @@ int run(const LaunchSettings& settings) {
   table.finish(recorder.live());
   recorder.stop();
   const Live live = recorder.live();
-  const std::vector<std::string> killed = supervisor.stop();
-  for (const std::string& name : killed)
-    fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
+  stop(supervisor);
 
   Report report;
   report.scenario = scenario.name;
   report.seed = settings.seed;
   report.clock = settings.clock_name();
-  report.figures = evaluate(
-      recorder.series(), task, limits,
-      plant::drawn_pushes(scenario.plant.pushes,
-                          static_cast<int>(scenario.plant.world.objects.size()), settings.seed));
+  report.figures = judge(recorder.series(), scenario, task, settings.seed);
   report.services = service_figures(live);
   report.real_time_factor = recorder.real_time_factor();
   report.reflexes = reflex_names(report.figures.error_bits);

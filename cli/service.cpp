@@ -18,6 +18,7 @@
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "cli/table.hpp"
+#include "cli/watch.hpp"
 #include "idl/process.hpp"
 
 namespace c3rt::cli {
@@ -121,9 +122,7 @@ int serve(const LaunchSettings& settings) {
   Keeper keeper(launch, supervisor);
   while (!wire::StopFlag::requested() && !(end = keeper.step()))
     std::this_thread::sleep_for(milliseconds(20));
-  for (const std::string& name : supervisor.stop()) {
-    fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
-  }
+  stop(supervisor);
   if (!end) {
     launch.lock().set_ended("stopped");
     return kDone;

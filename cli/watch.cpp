@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/in_process.hpp"
 #include "cli/launch.hpp"
-#include "idl/process.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -15,6 +15,7 @@ namespace {
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr double kLongestSilence =
     60.0;  // of the plant, while the others start or a tick is worked on [s]
+constexpr int kCyclesPerLook = 200;  // of nodes in this process
 
 }  // namespace
 
@@ -55,6 +56,32 @@ Ending watch_until(const std::function<bool()>& over, Supervisor& supervisor,
     std::this_thread::sleep_for(kLook);
   }
   return ending;
+}
+
+Ending watch_in_process(
+    const config::Scenario& scenario, std::uint64_t seed, const wire::BusSettings& bus,
+    Recorder& recorder,
+    const std::function<void(wire::Process, bool attention, const std::string&)>& tell,
+    const std::function<void(const Live&)>& show) {
+  Ending ending;
+  try {
+    InProcess nodes(scenario, seed, bus, tell);
+    nodes.join(Recorder::kPeriod_ns,
+               [&recorder](const wire::Sequences& newest) { recorder.take(newest); });
+    for (int cycle = 0; !recorder.done() && !ending.interrupted; ++cycle) {
+      ending.interrupted = wire::StopFlag::requested();
+      nodes.advance();
+      if (cycle % kCyclesPerLook == 0) show(recorder.live());
+    }
+  } catch (const std::exception& error) {
+    ending.failed = ending.details = error.what();
+  }
+  return ending;
+}
+
+void stop(Supervisor& supervisor) {
+  for (const std::string& name : supervisor.stop())
+    fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
 }
 
 }  // namespace c3rt::cli

@@ -1,44 +1,32 @@
 #include "plant_emulator/box_collision.hpp"
 
 #include <algorithm>
-#include <limits>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <mujoco/mujoco.h>
+
+#include "controller/scene/distance.hpp"
 
 namespace c3rt::plant {
 namespace {
 
-using Axes = Eigen::Map<const Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>>;
-using Point = Eigen::Map<const Eigen::Matrix<mjtNum, 3, 1>>;
-
 constexpr mjtNum kLooksDeep = 1e-3;  // only contacts deeper than this are looked at [m]
 constexpr mjtNum kTooDeep = 1e-3;    // than the boxes overlap [m]
-constexpr mjtNum kParallel = 1e-6;   // edges whose product is shorter give no axis
 
 mjfCollision of_boxes = nullptr;
 
-/// How far the boxes have to be moved to come apart: the least overlap along the normals of faces
-/// and pairs of edges. Negative where they are apart [m].
+/// How far the boxes have to be moved along a face's normal to come apart; negative where they are
+/// apart [m].
 mjtNum overlap(const mjModel* model, const mjData* data, int first, int second) noexcept {
-  const Axes R_1(data->geom_xmat + 9 * first), R_2(data->geom_xmat + 9 * second);
-  const Point half_1(model->geom_size + 3 * first), half_2(model->geom_size + 3 * second);
-  const Eigen::Matrix<mjtNum, 3, 1> between =
-      Point(data->geom_xpos + 3 * second) - Point(data->geom_xpos + 3 * first);
-  mjtNum least = std::numeric_limits<mjtNum>::infinity();
-  const auto look = [&](const Eigen::Matrix<mjtNum, 3, 1>& axis) {
-    const mjtNum length = axis.norm();
-    if (length < kParallel) return;
-    const mjtNum reach = (R_1.transpose() * axis).cwiseAbs().dot(half_1) +
-                         (R_2.transpose() * axis).cwiseAbs().dot(half_2);
-    least = std::min(least, (reach - std::abs(axis.dot(between))) / length);
+  const auto shape = [model](int geom) {
+    return scene::Shape::box(Eigen::Map<const Eigen::Vector3d>(model->geom_size + 3 * geom));
   };
-  for (int i = 0; i < 3; ++i) {
-    look(R_1.col(i));
-    look(R_2.col(i));
-    for (int j = 0; j < 3; ++j) look(R_1.col(i).cross(R_2.col(j)));
-  }
-  return least;
+  const auto place = [data](int geom) {
+    using Axes = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
+    return scene::Place{Eigen::Map<const Eigen::Vector3d>(data->geom_xpos + 3 * geom),
+                        Eigen::Map<const Axes>(data->geom_xmat + 9 * geom)};
+  };
+  return -scene::separation(shape(first), place(first), shape(second), place(second)).distance;
 }
 
 int checked(const mjModel* model, const mjData* data, mjContact* contacts, int first, int second,

@@ -20,12 +20,6 @@ constexpr double kWakeupRatio = 1.2, kCompute_s = 100e-6, kMissedShare = 1e-4;
 // a reference that is later in a thousandth of its cycles leaves the servo half of its own
 constexpr double kLateReference_s = 1e-9 * static_cast<double>(kStall_ns);
 
-/// The first command that tracks; end() if there is none.
-auto first_tracking(const Series& series) {
-  return std::find_if(series.command.begin(), series.command.end(),
-                      [](const CommandRow& row) { return row.tracking; });
-}
-
 std::string microseconds(double value_s) { return fmt::format("{:.0f} µs", 1e6 * value_s); }
 
 std::vector<std::string> causes(const Measured& m) {
@@ -116,7 +110,7 @@ std::vector<Stall> stalls(const std::vector<std::vector<Wakeup>>& threads) {
 
 SuccessRate success_rate(const Series& series) {
   SuccessRate result;
-  const auto* const first = first_tracking(series);
+  const CommandRow* const first = first_tracking(series);
   if (first == series.command.end()) return result;
   double sum = 0.0;
   for (const StateRow& state : series.state) {
@@ -139,7 +133,7 @@ double MissedCycles::share_outside() const {
 MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stalls,
                            std::int64_t from_ns) {
   MissedCycles result;
-  const auto* const first = first_tracking(series);
+  const CommandRow* const first = first_tracking(series);
   if (first == series.command.end()) return result;
   std::vector<std::int64_t> answered;
   answered.reserve(series.command.size());

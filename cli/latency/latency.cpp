@@ -174,8 +174,7 @@ class Measurement {
     const WakeupRecord record = probe ? probe->stop() : WakeupRecord{};
     recorder.stop();
     const Live live = recorder.live();
-    for (const std::string& name : supervisor.stop())
-      fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
+    stop(supervisor);
     add_processes(recorder.series(), live, record);
   }
 

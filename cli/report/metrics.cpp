@@ -279,6 +279,11 @@ Latencies latencies(const Series& series) {
   return result;
 }
 
+const CommandRow* first_tracking(const Series& series) {
+  return std::find_if(series.command.begin(), series.command.end(),
+                      [](const CommandRow& row) { return row.tracking; });
+}
+
 Figures evaluate(const Series& series, const task::Task& task, const std::vector<Limit>& limits,
                  const std::vector<plant::Push>& pushes) {
   Figures figures;
@@ -304,13 +309,10 @@ Figures evaluate(const Series& series, const task::Task& task, const std::vector
   figures.exposure_to_plan = spread_of(measured.exposure_to_plan);
   figures.exposure_to_torque = spread_of(measured.exposure_to_torque);
 
-  const auto* const first_tracking =
-      std::find_if(series.command.begin(), series.command.end(),
-                   [](const CommandRow& row) { return row.tracking; });
+  const CommandRow* const first = first_tracking(series);
   for (const StateRow& row : series.state) {
     if (row.reflex) figures.error_bits |= row.errors;
-    const bool commanded =
-        first_tracking != series.command.end() && row.time_ns >= first_tracking->time_ns;
+    const bool commanded = first != series.command.end() && row.time_ns >= first->time_ns;
     if (commanded) figures.success_rate_min = std::fmin(figures.success_rate_min, row.success_rate);
   }
   add_criteria(limits, figures);

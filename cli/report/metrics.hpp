@@ -92,6 +92,9 @@ struct Figures {
   std::vector<CriterionResult> criteria;
 };
 
+/// The first command that tracks; the end of the commands if there is none.
+const CommandRow* first_tracking(const Series& series);
+
 /// Everything at once. The criteria look at the time from task::Progress::judged_from() on: an
 /// object that never got a quarter round its circle meets no band, so that a parked end effector
 /// cannot pass.

@@ -12,10 +12,10 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "cli/in_process.hpp"
 #include "cli/invariants/load_limits.hpp"
 #include "cli/invariants/processes.hpp"
 #include "cli/invariants/samples.hpp"
+#include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
 #include "cli/progress.hpp"
@@ -26,12 +26,10 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
 #include "idl/text.hpp"
-#include "plant_emulator/pushes.hpp"
 
 namespace c3rt::cli::soak {
 namespace {
 
-constexpr int kCyclesPerLook = 200;       // of nodes in this process
 constexpr double kLookAtProcesses = 5.0;  // [s]
 constexpr double kLookAtLogs = 1.0;       // [s]
 constexpr double kHolds = 1.0;            // between two passes in realtime [s]
@@ -158,12 +156,7 @@ class Soak {
 
   bool judge(const Series& series, const config::Scenario& scenario, const task::Task& task,
              const Pass& pass) {
-    std::vector<Limit> limits;
-    for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
-    const Figures figures = evaluate(
-        series, task, limits,
-        plant::drawn_pushes(scenario.plant.pushes,
-                            static_cast<int>(scenario.plant.world.objects.size()), pass.seed));
+    const Figures figures = cli::judge(series, scenario, task, pass.seed);
     bool met = true;
     for (const CriterionResult& criterion : figures.criteria) {
       if (criterion.met) continue;
@@ -238,7 +231,8 @@ class Soak {
     Supervisor supervisor;
     Recorder recorder(launch.bus(), {}, goal, launch.out(), &watch_);
     if (settings_.launch.in_process) {
-      simulate_here(launch, seed, recorder);
+      end(watch_in_process(scenario, seed, launch.bus(), recorder, {},
+                           [this](const Live& live) { show(summary_.soaked + live.time); }));
     } else {
       launch.start(supervisor, true);
       for (const auto& [name, pid] : supervisor.pids())
@@ -253,19 +247,10 @@ class Soak {
     summary_.soaked += recorder.live().time;
   }
 
-  void simulate_here(const Launch& launch, std::uint64_t seed, Recorder& recorder) {
-    try {
-      InProcess nodes(launch.scenario(), seed, launch.bus());
-      nodes.join(Recorder::kPeriod_ns,
-                 [&recorder](const wire::Sequences& newest) { recorder.take(newest); });
-      for (int cycle = 0; !recorder.done() && !interrupted_; ++cycle) {
-        interrupted_ = wire::StopFlag::requested();
-        nodes.advance();
-        if (cycle % kCyclesPerLook == 0) show(summary_.soaked + recorder.live().time);
-      }
-    } catch (const std::exception& error) {
-      failed_ = details_ = error.what();
-    }
+  void end(const Ending& ending) {
+    interrupted_ = ending.interrupted;
+    failed_ = ending.failed;
+    details_ = ending.details;
   }
 
   /// Watches processes that run by themselves. @return false: the soak is over
@@ -285,9 +270,7 @@ class Soak {
       }
       show(soaked);
     });
-    interrupted_ = ending.interrupted;
-    failed_ = ending.failed;
-    details_ = ending.details;
+    end(ending);
     if (!failed_.empty()) look_for_lost(supervisor, recorder.live().time);
     return !interrupted_ && failed_.empty();
   }
@@ -360,8 +343,7 @@ class Soak {
         break;
     }
     recorder.stop();
-    for (const std::string& name : supervisor.stop())
-      fmt::print(stderr, "c3rt: {} did not end by itself and was killed\n", name);
+    stop(supervisor);
     launch.lock().set_ended("soak ended");
   }
 

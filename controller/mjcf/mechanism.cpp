@@ -56,23 +56,21 @@ class MujocoMechanism final : public scene::Mechanism {
     q_ = q;
     v_ = v;
     std::fill_n(data_->ctrl, model_->nu, 0.0);
-    for (Eigen::Index i = 0; i < n_v; ++i) {
-      q_[i] = q[i] + kOfPosition;
-      accelerate(mjSTAGE_NONE, after_);
-      q_[i] = q[i] - kOfPosition;
-      accelerate(mjSTAGE_NONE, before_);
-      q_[i] = q[i];
-      motion.J_q.col(i) = (after_ - before_) / (2.0 * kOfPosition);
-    }
+    // of f by an entry of q_ or v_, with what is known of the state without it
+    const auto differences = [&](double& entry, double step, int known, auto&& column) {
+      const double at = entry;
+      entry = at + step;
+      accelerate(known, after_);
+      entry = at - step;
+      accelerate(known, before_);
+      entry = at;
+      column = (after_ - before_) / (2.0 * step);
+    };
+    for (Eigen::Index i = 0; i < n_v; ++i)
+      differences(q_[i], kOfPosition, mjSTAGE_NONE, motion.J_q.col(i));
     accelerate(mjSTAGE_NONE, motion.f);
-    for (Eigen::Index i = 0; i < n_v; ++i) {
-      v_[i] = v[i] + kOfVelocity;
-      accelerate(mjSTAGE_POS, after_);
-      v_[i] = v[i] - kOfVelocity;
-      accelerate(mjSTAGE_POS, before_);
-      v_[i] = v[i];
-      motion.J_v.col(i) = (after_ - before_) / (2.0 * kOfVelocity);
-    }
+    for (Eigen::Index i = 0; i < n_v; ++i)
+      differences(v_[i], kOfVelocity, mjSTAGE_POS, motion.J_v.col(i));
     accelerate(mjSTAGE_POS, motion.f);
     for (Eigen::Index i = 0; i < n_u; ++i) {
       data_->ctrl[i] = 1.0;

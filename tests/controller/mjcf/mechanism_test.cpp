@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/cli/folder.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/mjcf_file.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -37,20 +37,8 @@ const std::string kArm = R"(
   <actuator><motor name="elbow_motor" joint="elbow" gear="2" ctrllimited="true" ctrlrange="-3 4"/>
   </actuator>)";
 
-class File {
- public:
-  explicit File(const std::string& inside) {
-    std::ofstream(path_) << "<mujoco>" << inside << "</mujoco>";
-  }
-  std::string path() const { return path_; }
-
- private:
-  cli::Folder folder_;
-  std::string path_ = (folder_.path() / "thing.xml").string();
-};
-
 std::string refusal(const std::string& inside) {
-  const File file(inside);
+  const test::MjcfFile file(inside);
   try {
     (void)mjcf::read_mechanism(file.path());
   } catch (const mjcf::Error& error) {
@@ -83,7 +71,7 @@ Textbook arm_at(const Vector2d& q, const Vector2d& v, double u) {
 }  // namespace
 
 TEST_CASE("mechanism: mass matrix, bias and inputs of a two-link arm are the textbook's") {
-  const File file(kArm);
+  const test::MjcfFile file(kArm);
   const mjcf::MechanismFile read = mjcf::read_mechanism(file.path());
   support::Random random(1);
   scene::SmoothMotion motion;
@@ -122,7 +110,7 @@ TEST_CASE("mechanism: mass matrix, bias and inputs of a two-link arm are the tex
 TEST_CASE(
     "mechanism: a free body falls and turns as Newton and Euler have it, wherever its origin") {
   // the centre of mass is not the origin, nor are the principal axes the body's
-  const File file(R"(<worldbody>
+  const test::MjcfFile file(R"(<worldbody>
       <body name="hand"><joint name="reach" type="slide" axis="1 0 0"/>
         <geom name="tip" type="sphere" size="0.01" mass="1"/></body>
       <body name="stone" pos="1 0 1" quat="0.9 0.1 -0.3 0.2"><freejoint/>
@@ -172,7 +160,7 @@ TEST_CASE(
 }
 
 TEST_CASE("mechanism: after the first evaluation none takes from the heap") {
-  const File file(kArm);
+  const test::MjcfFile file(kArm);
   const mjcf::MechanismFile read = mjcf::read_mechanism(file.path());
   scene::SmoothMotion motion;
   VectorXd q = VectorXd::Constant(2, 0.3), v = VectorXd::Constant(2, -0.2);
@@ -191,7 +179,7 @@ TEST_CASE("mechanism: after the first evaluation none takes from the heap") {
 }
 
 TEST_CASE("mechanism: the range of a motor, a keyframe as home and joint limits are told") {
-  const File file(kArm + "<keyframe><key name=\"bent\" qpos=\"0.5 -0.25\"/></keyframe>");
+  const test::MjcfFile file(kArm + "<keyframe><key name=\"bent\" qpos=\"0.5 -0.25\"/></keyframe>");
   const mjcf::MechanismFile read = mjcf::read_mechanism(file.path());
   CHECK(read.mechanism->home() == Vector2d(0.5, -0.25));
   CHECK(read.mechanism->motors()[0].min == -3.0);
@@ -206,7 +194,7 @@ TEST_CASE("mechanism: the range of a motor, a keyframe as home and joint limits 
   std::string limited = kArm;
   limited.replace(limited.find("name=\"elbow\""), 12,
                   "name=\"elbow\" limited=\"true\" range=\"-90 90\"");
-  const File with_limits(limited);
+  const test::MjcfFile with_limits(limited);
   CHECK(has(mjcf::read_mechanism(with_limits.path()), "joint \"elbow\" has limits"));
 }
 

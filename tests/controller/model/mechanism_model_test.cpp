@@ -14,8 +14,8 @@
 #include "controller/model/block_errors.hpp"
 #include "controller/model/cart_pole.hpp"
 #include "controller/model/objects_model.hpp"
-#include "tests/cli/folder.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/mjcf_file.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -70,18 +70,6 @@ const std::string kShapes = R"(
   </worldbody>
   <actuator><motor name="m1" joint="shoulder"/><motor name="m2" joint="elbow" gear="3"/></actuator>)";
 
-class File {
- public:
-  explicit File(const std::string& inside) {
-    std::ofstream(path_) << "<mujoco>" << inside << "</mujoco>";
-  }
-  std::string path() const { return path_; }
-
- private:
-  cli::Folder folder_;
-  std::string path_ = (folder_.path() / "thing.xml").string();
-};
-
 MechanismParameters parameters(const std::string& path, std::vector<Between> contacts) {
   MechanismParameters result;
   result.mechanism = mjcf::read_mechanism(path).mechanism;
@@ -104,7 +92,7 @@ VectorXd home(const MechanismModel& model) {
 }  // namespace
 
 TEST_CASE("mechanism: a sphere on slides beside a T is the model of objects, to rounding") {
-  const File file(kSphereAndT);
+  const test::MjcfFile file(kSphereAndT);
   const scene::Object t = mjcf::read_object(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml").object;
   const auto objects = make_objects_model({1.0, 0.0195, -0.02, 0.5, 0.4, 0.3, 4, false, {t}});
   support::Random random(1);
@@ -154,7 +142,7 @@ TEST_CASE("mechanism: a sphere on slides beside a T is the model of objects, to 
 }
 
 TEST_CASE("mechanism: the cart-pole of section VI-C as MJCF is the one in closed form") {
-  const File file(R"(
+  const test::MjcfFile file(R"(
     <worldbody>
       <geom name="right" type="plane" size="1 1 1" pos="0.36 0 0" zaxis="-1 0 0"/>
       <geom name="left" type="plane" size="1 1 1" pos="-0.36 0 0" zaxis="1 0 0"/>
@@ -192,7 +180,7 @@ TEST_CASE("mechanism: the cart-pole of section VI-C as MJCF is the one in closed
 
 TEST_CASE("mechanism: without contact the LCS is MuJoCo's own step, and so are its derivatives") {
   // hinges alone, so that MuJoCo's coordinates are ours
-  const File file(R"(
+  const test::MjcfFile file(R"(
     <option timestep="0.01"><flag contact="disable"/></option>
     <worldbody>
       <geom name="floor" type="plane" size="1 1 1" pos="0 0 -2"/>
@@ -242,7 +230,7 @@ TEST_CASE("mechanism: without contact the LCS is MuJoCo's own step, and so are i
 }
 
 TEST_CASE("mechanism: gaps close at J_n v, between all shapes, and edges move along the surface") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   const MechanismModel model(parameters(file.path(), of_shapes()));
   const int n_v = model.mechanism().n_v();
   support::Random random(7);
@@ -279,7 +267,7 @@ TEST_CASE("mechanism: gaps close at J_n v, between all shapes, and edges move al
 }
 
 TEST_CASE("mechanism: every block is that of finite differences of the step") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   for (const ContactModel contact_model :
        {ContactModel::kAnitescu, ContactModel::kStewartTrinkle}) {
     for (const int directions : {1, 2, 3}) {
@@ -309,7 +297,7 @@ TEST_CASE("mechanism: every block is that of finite differences of the step") {
 }
 
 TEST_CASE("mechanism: closest keeps the nearest ones, and without it all are kept") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   const MechanismModel all(parameters(file.path(), {{"lower", "jack"}})),
       one(parameters(file.path(), {{"lower", "jack", 1}})),
       more(parameters(file.path(), {{"lower", "jack", 99}}));
@@ -328,7 +316,7 @@ TEST_CASE("mechanism: closest keeps the nearest ones, and without it all are kep
 }
 
 TEST_CASE("mechanism: a name is a geom's, a body's or the world's, and a wrong one names those") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   const auto model = [&](const std::string& first, const std::string& second) {
     return MechanismModel(parameters(file.path(), {{first, second}})).n_c();
   };
@@ -350,7 +338,7 @@ TEST_CASE("mechanism: a name is a geom's, a body's or the world's, and a wrong o
 }
 
 TEST_CASE("mechanism: friction is the rougher surface's, and its first direction as asked for") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   MechanismParameters p = parameters(kPusher, {{"left", "disc"}, {"disc", "floor"}});
   const Vector3d across(0.3, 0.1, 1.0);
   p.across = across;
@@ -377,7 +365,7 @@ TEST_CASE("mechanism: what a motor moves touches a body that it overlaps, and te
 }
 
 TEST_CASE("mechanism: after the first evaluation none takes from the heap") {
-  const File file(kShapes);
+  const test::MjcfFile file(kShapes);
   const MechanismModel model(parameters(file.path(), of_shapes()));
   const VectorXd x = home(model);
   ContactSystem system;
