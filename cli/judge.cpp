@@ -11,8 +11,7 @@ Figures judge(const Series& series, const config::Scenario& scenario, const task
   std::vector<Limit> limits;
   for (const config::Criterion& c : scenario.criteria) limits.push_back({c.name, c.min, c.max});
   const auto objects = static_cast<int>(scenario.plant.world.objects.size());
-  return evaluate(series, task, limits,
-                  plant::drawn_pushes(scenario.plant.pushes, objects, seed));
+  return evaluate(series, task, limits, plant::drawn_pushes(scenario.plant.pushes, objects, seed));
 }
 
 }  // namespace c3rt::cli
