@@ -11,6 +11,7 @@
 #include "controller/impedance/service.hpp"
 #include "controller/impedance/servo.hpp"
 #include "idl/endpoint.hpp"
+#include "idl/exchange.hpp"
 #include "vision/scene_source.hpp"
 #include "vision/service.hpp"
 
@@ -71,6 +72,7 @@ struct InProcess::Implementation {
                  const wire::BusSettings& settings, const Log& log)
       : scenario(s),
         seed(the_seed),
+        exchange(settings.exchange),
         plant_seat(settings, c3rt_v2_PROCESS_PLANT, plant::fault_scope(s.plant), plant::kCycleNs,
                    log),
         impedance_seat(settings, c3rt_v2_PROCESS_IMPEDANCE, {},
@@ -150,6 +152,7 @@ struct InProcess::Implementation {
 
   void advance() {
     now_ns += plant::kCycleNs;  // time begins at one cycle: 0 means "none" in a stamp
+    exchange->arrive(now_ns);
     if (now_ns == plant::kCycleNs) plant.start(now_ns);
     wire::Sequences newest{};
     written(newest);
@@ -172,6 +175,7 @@ struct InProcess::Implementation {
 
   const config::Scenario scenario;
   const std::uint64_t seed;
+  const std::shared_ptr<wire::Exchange> exchange;
   Seat plant_seat, impedance_seat, planner_seat, vision_seat;
   plant::Service plant;
   std::optional<Impedance> impedance;
@@ -195,6 +199,9 @@ std::int64_t InProcess::now_ns() const noexcept { return implementation_->now_ns
 
 void InProcess::set_running(wire::Process process, bool runs) {
   implementation_->seat(process).runs = runs;
+}
+std::uint64_t InProcess::bus_of(wire::Process process) const {
+  return implementation_->seat(process).bus.identity();
 }
 void InProcess::restart(wire::Process process) { implementation_->start(process); }
 

@@ -38,6 +38,8 @@ class InProcess {
   /// A process that does not run takes and sends nothing, as one that stalls or was killed. While
   /// the plant does not run, time goes on for the others alone.
   void set_running(wire::Process process, bool runs);
+  /// Whose samples and readers they are, for bad lines to it: Bus::identity().
+  std::uint64_t bus_of(wire::Process process) const;
   /// Started anew, without memory: planner, vision or impedance.
   void restart(wire::Process process);
 

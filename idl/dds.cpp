@@ -266,6 +266,7 @@ Bus::~Bus() = default;
 
 std::int32_t Bus::participant() const { return implementation_->participant.handle(); }
 ClockMode Bus::clock() const { return implementation_->settings.clock; }
+std::uint64_t Bus::identity() const noexcept { return implementation_->identity; }
 std::uint64_t Bus::session_id() const noexcept {
   return implementation_->session.load(std::memory_order_relaxed);
 }
@@ -318,7 +319,7 @@ bool Bus::wait_for(const Sequences& newest_seq, std::int64_t timeout_ns, std::st
       if (reader->topic_.stream == kNoStream) continue;
       const std::uint64_t promised = newest_seq[reader->topic_.stream];
       reader->allow(promised);
-      if (reader->newest_seq() < promised) behind = reader;
+      if (!reader->has_come(promised)) behind = reader;
     }
     if (behind == nullptr) return true;
     const std::int64_t left_ns = deadline_ns - rt::now_ns();
@@ -429,6 +430,7 @@ struct ReaderBase::Implementation {
     dds_sample_info_t info;
     while (dds_take(reader.handle(), &sample, &info, 1, 1) == 1) {
       if (!info.valid_data) continue;  // a writer came or went
+      if (info.source_timestamp < not_before) continue;
       sender = {info.publication_handle, 0};
       return true;
     }
@@ -464,6 +466,15 @@ struct ReaderBase::Implementation {
     });
   }
   Entry& entry(int i) noexcept { return entries[static_cast<std::size_t>((head + i) % capacity)]; }
+  /// The same number of the same writer is among the newest entries, which are in order.
+  bool has_fresh(const Source& source, std::uint64_t seq, int fresh) noexcept {
+    for (int i = count - 1; i >= count - fresh; --i) {
+      const Entry& known = entry(i);
+      if (&sources[static_cast<std::size_t>(known.source)] != &source) continue;
+      if (known.seq <= seq) return known.seq == seq;
+    }
+    return false;
+  }
 
   const Topic& topic_of;
   // within one process
@@ -471,7 +482,10 @@ struct ReaderBase::Implementation {
   std::unique_ptr<Inbox> inbox;
   // of DDS
   Entity topic, reader, condition;
-  std::unique_ptr<Waiter> waiter;  // Wakes::kItself
+  /// Requests and faults from before a process was there were for its predecessor: their writers,
+  /// who live on, offer them again to whoever is started. A target stays until the next one.
+  dds_time_t not_before = std::numeric_limits<dds_time_t>::min();  // of the wall's clock
+  std::unique_ptr<Waiter> waiter;                                  // Wakes::kItself
 
   OneWriter one_writer;
   std::array<Source, kSources> sources{};
@@ -514,7 +528,7 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
   for (int i = 0; i < self.capacity; ++i) self.entries[static_cast<std::size_t>(i)].slot = i;
   self.exchange = bus.implementation_->settings.exchange.get();
   if (self.exchange != nullptr) {
-    self.inbox = std::make_unique<Inbox>(topic);
+    self.inbox = std::make_unique<Inbox>(topic, bus.identity());
     newest_seq_ = self.exchange->add_reader(*self.inbox);  // nobody waits for what it cannot get
   } else {
     join_dds(kept, wakes, addressee);
@@ -530,6 +544,8 @@ ReaderBase::ReaderBase(Bus& bus, const Topic& topic, int depth, Wakes wakes,
 void ReaderBase::join_dds(int depth, Wakes wakes, std::optional<Process> addressee) {
   Implementation& self = *implementation_;
   const std::string name = topic_.name;
+  const bool of_the_moment = topic_.trait == Trait::kAnswered && &topic_ != &topic<TaskTarget>();
+  if (of_the_moment && bus_.clock() == ClockMode::kRealtime) self.not_before = dds_time();
   self.topic = created(
       dds_create_topic(bus_.participant(), topic_.descriptor, topic_.name, nullptr, nullptr),
       "topic " + name);
@@ -607,6 +623,12 @@ void ReaderBase::interrupt() noexcept {
 
 void ReaderBase::allow(std::uint64_t seq) noexcept {
   if (topic_.stream != kNoStream) implementation_->allowed = seq;
+}
+
+bool ReaderBase::has_come(std::uint64_t seq) const {
+  const Implementation& self = *implementation_;
+  return newest_seq_ >= seq ||
+         (self.exchange != nullptr && self.exchange->sent(*self.inbox) >= seq);
 }
 
 Reason ReaderBase::judge(const Header& header, const Source& source, std::int64_t now_ns) noexcept {
@@ -703,7 +725,7 @@ int ReaderBase::pump() noexcept {
     const bool stranger = topic_.writer && source.owner.participant != self.one_writer.leader();
     if (stranger && value) refusal = value;
     if (!refusal) refusal.reason = judge(header, source, now_ns);
-    if (!refusal && source.newest != 0 && header.seq <= source.newest)
+    if (!refusal && (header.seq <= source.newest || self.has_fresh(source, header.seq, fresh)))
       refusal.reason = Reason::kOldSequence;
     if (refusal) {
       refuse(refusal, header, source);

@@ -102,6 +102,7 @@ class Bus {
 
   std::int32_t participant() const;
   ClockMode clock() const;
+  std::uint64_t identity() const noexcept;        // within one process, on its exchange
   std::uint64_t session_id() const noexcept;      // 0 until the plant was heard
   void adopt_session(std::uint64_t id) noexcept;  // as if the plant had told it
   /// What the readers of this bus have refused since their start, by topic and reason. From any
@@ -244,6 +245,8 @@ class ReaderBase {
   void refuse(const Refusal& refusal, const Header& header, const Source& source) noexcept;
   RefusedCount refusal(Reason reason) const;  // what is known of it
   void allow(std::uint64_t seq) noexcept;     // lockstep: give out samples up to here
+  /// Lockstep: it has come, or will not come any more as a bad line has it.
+  bool has_come(std::uint64_t seq) const;
 
   std::uint64_t newest_seq_ = 0;
   std::unique_ptr<Implementation> implementation_;

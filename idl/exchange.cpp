@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "idl/dds.hpp"
@@ -14,6 +15,7 @@ std::uint64_t Exchange::add_reader(Inbox& inbox) {
   const std::lock_guard lock(mutex_);
   OfTopic& topic = of(inbox.topic_);
   topic.readers.push_back(&inbox);
+  inbox.sent_ = topic.newest_seq;
   return topic.newest_seq;
 }
 
@@ -21,6 +23,8 @@ void Exchange::remove_reader(const Inbox& inbox) {
   const std::lock_guard lock(mutex_);
   std::vector<Inbox*>& readers = of(inbox.topic_).readers;
   readers.erase(std::remove(readers.begin(), readers.end(), &inbox), readers.end());
+  for (auto held = held_.begin(); held != held_.end();)
+    held = held->second.inbox == &inbox ? held_.erase(held) : std::next(held);
 }
 
 std::uint64_t Exchange::identity() {
@@ -66,24 +70,70 @@ bool Exchange::passes(const Topic& topic, void* sample) {
   return !filter || filter(sample);
 }
 
+void Exchange::set_line_of(const Topic& topic, std::uint64_t bus, Line line) {
+  const std::lock_guard lock(mutex_);
+  const Edge edge{topic.descriptor, bus};
+  if (line) {
+    lines_[edge] = std::move(line);
+  } else {
+    lines_.erase(edge);
+  }
+}
+
+void Exchange::arrive(std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  now_ns_ = now_ns;
+  while (!held_.empty() && held_.begin()->first <= now_ns) {
+    const Held& held = held_.begin()->second;
+    deliver(*held.inbox, held.sample.data(), held.sender);
+    held_.erase(held_.begin());
+  }
+}
+
 void Exchange::put(const Topic& topic, const void* sample, const Sender& sender,
                    std::uint64_t seq) {
   const std::lock_guard lock(mutex_);
   of(topic).newest_seq = seq;
   const char* bytes = static_cast<const char*>(sample);
   for (Inbox* inbox : of(topic).readers) {
-    if (inbox->senders_.size() - inbox->taken_ == Inbox::kMostWaiting) ++inbox->taken_;
-    if (inbox->taken_ == Inbox::kMostWaiting) {
-      const auto taken = static_cast<std::ptrdiff_t>(inbox->taken_);
-      inbox->samples_.erase(
-          inbox->samples_.begin(),
-          inbox->samples_.begin() + taken * static_cast<std::ptrdiff_t>(inbox->size_));
-      inbox->senders_.erase(inbox->senders_.begin(), inbox->senders_.begin() + taken);
-      inbox->taken_ = 0;
-    }
-    inbox->samples_.insert(inbox->samples_.end(), bytes, bytes + inbox->size_);
-    inbox->senders_.push_back(sender);
+    inbox->sent_ = seq;
+    send(*inbox, bytes, sender);
   }
+}
+
+void Exchange::send(Inbox& inbox, const char* bytes, const Sender& sender) {
+  const auto line = lines_.find({inbox.topic_.descriptor, inbox.bus_});
+  if (line == lines_.end()) {
+    deliver(inbox, bytes, sender);
+    return;
+  }
+  std::vector<char> copy(bytes, bytes + inbox.size_);
+  const Passage passage = line->second(copy.data());
+  for (int i = 0; i < passage.copies; ++i) {
+    if (passage.delay_ns > 0) {
+      held_.emplace(now_ns_ + passage.delay_ns, Held{&inbox, copy, sender});
+    } else {
+      deliver(inbox, copy.data(), sender);
+    }
+  }
+}
+
+void Exchange::deliver(Inbox& inbox, const char* bytes, const Sender& sender) {
+  if (inbox.senders_.size() - inbox.taken_ == Inbox::kMostWaiting) ++inbox.taken_;
+  if (inbox.taken_ == Inbox::kMostWaiting) {
+    const auto taken = static_cast<std::ptrdiff_t>(inbox.taken_);
+    inbox.samples_.erase(inbox.samples_.begin(),
+                         inbox.samples_.begin() + taken * static_cast<std::ptrdiff_t>(inbox.size_));
+    inbox.senders_.erase(inbox.senders_.begin(), inbox.senders_.begin() + taken);
+    inbox.taken_ = 0;
+  }
+  inbox.samples_.insert(inbox.samples_.end(), bytes, bytes + inbox.size_);
+  inbox.senders_.push_back(sender);
+}
+
+std::uint64_t Exchange::sent(const Inbox& inbox) {
+  const std::lock_guard lock(mutex_);
+  return inbox.sent_;
 }
 
 bool Exchange::take(Inbox& inbox, void* sample, Sender& sender) {

@@ -43,6 +43,35 @@ std::vector<T> take(Reader<T>& reader, std::size_t count) {
   return samples;
 }
 
+TEST_CASE(
+    "wire: a process that is started anew gets the last target, but no fault or request again") {
+  Bus client(test::settings(ClockMode::kRealtime));
+  Writer<FaultInject> faults(client);
+  Writer<ServiceRequest> requests(client);
+  Writer<TaskTarget> targets(client);
+  FaultInject fault{};
+  ServiceRequest request{};
+  TaskTarget target{};
+  faults.write(fault, 1 * kMs);
+  requests.write(request, 1 * kMs);
+  targets.write(target, 1 * kMs);
+  Bus process(test::settings(ClockMode::kRealtime));
+  Reader<FaultInject> of_faults(process);
+  Reader<ServiceRequest> of_requests(process);
+  Reader<TaskTarget> of_targets(process);
+  REQUIRE(take(of_targets, 1).size() == 1);
+  REQUIRE(
+      eventually([&] { return faults.matched_readers() > 0 && requests.matched_readers() > 0; }));
+  faults.write(fault, 2 * kMs);
+  requests.write(request, 2 * kMs);
+  const auto heard = take(of_faults, 1);
+  REQUIRE(heard.size() == 1);
+  CHECK(heard[0].header.seq == 2);
+  const auto asked = take(of_requests, 1);
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].header.seq == 2);
+}
+
 TEMPLATE_LIST_TEST_CASE("wire: what is written in one process is read in another, bit by bit", "",
                         TopicTypes) {
   constexpr std::uint64_t kSession = 42;

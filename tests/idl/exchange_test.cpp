@@ -207,6 +207,78 @@ TEST_CASE("exchange: what is held back is given out when it is promised, and no 
   CHECK(missing == "robot/state");
 }
 
+TEST_CASE(
+    "exchange: a bad line spoils, loses and delays samples for one bus, and for nobody else") {
+  const auto exchange = make_exchange();
+  Bus plant(settings(exchange)), planner(settings(exchange)), recorder(settings(exchange));
+  Writer<RobotState> states(plant);
+  Reader<RobotState> behind(planner), elsewhere(recorder);
+  exchange->set_line<RobotState>(planner.identity(), [](RobotState& state) {
+    state.q_rad[1] = 0.5;
+    if (state.header.seq == 2) return Passage{0, 0};
+    return Passage{1, state.header.seq == 3 ? 100 : 0};
+  });
+  exchange->arrive(1000);
+  for (int i = 1; i <= 3; ++i) write(states, 0.1 * i, i);
+  RobotState sample{};
+  REQUIRE(behind.take(sample));
+  CHECK(sample.header.seq == 1);
+  CHECK(sample.q_rad[1] == 0.5);
+  CHECK_FALSE(behind.take(sample));
+  exchange->arrive(1099);
+  CHECK_FALSE(behind.take(sample));
+  exchange->arrive(1100);
+  REQUIRE(behind.take(sample));
+  CHECK(sample.header.seq == 3);
+  CHECK(behind.counters().lost == 1);
+  for (std::uint64_t seq = 1; seq <= 3; ++seq) {
+    REQUIRE(elsewhere.take(sample));
+    CHECK(sample.header.seq == seq);
+    CHECK(sample.q_rad[1] == 0.0);
+  }
+  exchange->set_line<RobotState>(planner.identity(), {});
+  write(states, 0.4, 4);
+  REQUIRE(behind.take(sample));
+  CHECK(sample.q_rad[1] == 0.0);
+}
+
+TEST_CASE("exchange: what a bad line lost is not waited for") {
+  const auto exchange = make_exchange();
+  Bus plant(settings(exchange)), planner(settings(exchange));
+  planner.hold_until_promised();
+  Writer<RobotState> states(plant);
+  Reader<RobotState> reader(planner);
+  exchange->set_line<RobotState>(planner.identity(), [](RobotState&) { return Passage{0, 0}; });
+  write(states, 0.1, 1);
+  Sequences newest{};
+  std::string missing;
+  plant.newest_written(newest);
+  CHECK(planner.wait_for(newest, 0, missing));
+  RobotState sample{};
+  CHECK_FALSE(reader.take(sample));
+}
+
+TEST_CASE("exchange: a sample that comes twice, or after a later one, is let in once") {
+  const auto exchange = make_exchange();
+  Bus plant(settings(exchange)), planner(settings(exchange));
+  Writer<RobotState> states(plant);
+  Reader<RobotState> reader(planner);
+  exchange->set_line<RobotState>(planner.identity(), [](RobotState& state) {
+    return Passage{2, state.header.seq == 2 ? 50 : 0};
+  });
+  for (int i = 1; i <= 3; ++i) write(states, 0.1 * i, i);
+  RobotState sample{};
+  for (const std::uint64_t seq : {1, 3}) {
+    REQUIRE(reader.take(sample));
+    CHECK(sample.header.seq == seq);
+  }
+  CHECK_FALSE(reader.take(sample));
+  exchange->arrive(50);
+  CHECK_FALSE(reader.take(sample));
+  CHECK(reader.counters().refused_for(Reason::kOldSequence) == 4);
+  CHECK(reader.counters().received == 2);
+}
+
 TEST_CASE("exchange: a clock of the machine is refused") {
   BusSettings realtime = settings(make_exchange());
   realtime.clock = ClockMode::kRealtime;
