@@ -351,7 +351,7 @@ bool Recorder::take_all(Topics& topics, const wire::Bus& bus) {
   }
   const bool gave_up =
       topics.reflex_since != 0 && !series_.state.empty() &&
-      seconds(series_.state.back().time_ns - topics.reflex_since) > kReflexPatience;
+      seconds(series_.state.back().time_ns - topics.reflex_since) > goal_.reflex_patience;
   for (std::size_t i = plans_before; i < series_.plan.size() && !topics.task_start; ++i) {
     if (series_.plan[i].rolling) topics.task_start = series_.plan[i].state_ns;
   }

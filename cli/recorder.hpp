@@ -18,11 +18,15 @@
 
 namespace c3rt::cli {
 
+/// Nobody recovered the robot for this long: the rest of the run would show an arm at rest. [s]
+constexpr double kReflexPatience = 3.0;
+
 /// When the recording has seen enough.
 struct Goal {
   task::Task task;
   int loops;
-  double duration;  // from the first sample of the scene [s]
+  double duration;                           // from the first sample of the scene [s]
+  double reflex_patience = kReflexPatience;  // [s]
 };
 
 /// Hears every sample that a recorder takes, in the thread that takes them: topic by topic, each in
@@ -52,9 +56,6 @@ struct Live {
   std::vector<wire::RefusedCount> refused;  // by the recorder itself
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
 };
-
-/// Nobody recovered the robot for this long: the rest of the run would show an arm at rest. [s]
-constexpr double kReflexPatience = 3.0;
 
 /// Time of the wall since some zero [s].
 double wall_time();

@@ -16,6 +16,7 @@ constexpr double kRounding = 1e-6;         // of limits that are kept exactly
 constexpr double kFewCycles = 10.0;        // over more that was not heard no rate is known
 constexpr double kWorkspaceMargin = 0.02;  // the arm lags behind what it is told [m]
 constexpr std::size_t kMostPlans = 256;    // a second of the fastest planner
+constexpr double kBrakesAfter = 21.0;      // cycles: in the next one it has stopped itself
 constexpr double kLostCommands = 19.0;     // cycles: the twentieth stops the robot
 
 SceneRow row_of(const wire::Scene& sample) {
@@ -50,6 +51,7 @@ void Samples::violated(const char* name, const std::string& subject, std::int64_
 void Samples::step(Stream& stream, const wire::Header& header, const char* subject) {
   ++samples_;
   if (!first_ns_) first_ns_ = header.time_ns;
+  stream.begins_anew(header.seq);
   if (stream.seq != 0 && header.seq <= stream.seq) {
     violated("sequence", subject, header.time_ns, static_cast<double>(header.seq),
              static_cast<double>(stream.seq + 1), "");
@@ -58,7 +60,8 @@ void Samples::step(Stream& stream, const wire::Header& header, const char* subje
     violated("time", subject, header.time_ns, seconds(header.time_ns - *first_ns_),
              seconds(stream.time_ns - *first_ns_), "s");
   }
-  stream = {header.seq, header.time_ns};
+  stream.seq = header.seq;
+  stream.time_ns = header.time_ns;
 }
 
 void Samples::hear(const wire::Plan& sample) {
@@ -159,12 +162,17 @@ void Samples::hear(const wire::RobotState& sample) {
     // while it moves this is when it was last given something new; else it waits for nothing
     if (!reflex) obeyed_at_ns_ = now_ns;
     obeyed_ = sample.command_seq;
+    obeyed_at_ = sample.header.seq;
   }
+  // in cycles of its own: time goes on while its process stands still
+  const double waited = static_cast<double>(sample.header.seq) - static_cast<double>(obeyed_at_);
+  if (waited > kBrakesAfter)
+    violated("brake", "robot/state", now_ns, waited, kBrakesAfter, "cycles");
 }
 
 void Samples::hear(const wire::RobotCommand& sample) {
   const std::int64_t now_ns = sample.header.time_ns, before_ns = command_.time_ns;
-  const bool first = command_.seq == 0;
+  const bool first = command_.seq == 0 || command_.begins_anew(sample.header.seq);
   step(command_, sample.header, "robot/command");
   const Torque now{vector_of(sample.tau_nm), sample.header.seq, now_ns, true};
   check_torque(now.tau, "robot/command", now_ns);
@@ -189,6 +197,7 @@ void Samples::hear(const wire::ServiceStatus& sample) {
   Stream& stream = status_[process];
   const std::int64_t now_ns = state_.time_ns;
   const std::string name = wire::process_name(sample.process);
+  stream.begins_anew(sample.header.seq);
   if (stream.seq != 0 && sample.header.seq <= stream.seq) {
     violated("sequence", "service/status of " + name, now_ns,
              static_cast<double>(sample.header.seq), static_cast<double>(stream.seq + 1), "");
@@ -211,22 +220,22 @@ void Samples::end_task() {
 }
 
 void Samples::restarted(wire::Process process) {
-  status_[static_cast<std::size_t>(process)] = {};
+  status_[static_cast<std::size_t>(process)].may_begin_anew = true;
   switch (process) {
     case c3rt_v2_PROCESS_PLANT:
-      state_ = scene_ = {};
+      state_.may_begin_anew = scene_.may_begin_anew = true;
       applied_ = {};
       asked_ = {};  // the controller begins anew with a new robot
       break;
     case c3rt_v2_PROCESS_IMPEDANCE:
-      command_ = {};
+      command_.may_begin_anew = true;
       asked_ = {};
       break;
     case c3rt_v2_PROCESS_PLANNER:
-      plan_ = {};
+      plan_.may_begin_anew = true;
       break;
     case c3rt_v2_PROCESS_VISION:
-      estimate_ = {};
+      estimate_.may_begin_anew = true;
       break;
     default:
       break;

@@ -42,6 +42,7 @@ struct Limits {
 ///   torque, torque_rate     robot/command  and so is what was asked of it
 ///   not_finite              all            every number that counts is finite
 ///   workspace               robot/state    the end effector is where it may be
+///   brake                   robot/state    without a new command for 20 cycles it no longer moves
 ///   stale_plan              robot/command  a plan is not followed for more than a cycle after its
 ///                                          end: the command before this one was sent after that
 ///   sequence, time          all            both go forwards
@@ -67,7 +68,8 @@ class Samples {
   void end_task();
   /// Something was done up to `until_ns` that may stop the robot.
   void excuse(std::int64_t until_ns) { excused_until_ns_ = std::max(excused_until_ns_, until_ns); }
-  /// A process was started again: its streams count from 1, and what went before is forgotten.
+  /// A process was killed and is started again: from its successor's first sample on its streams
+  /// count from 1, and what went before is forgotten.
   void restarted(wire::Process process);
 
   std::uint64_t samples() const noexcept { return samples_; }    // all that were heard
@@ -77,6 +79,13 @@ class Samples {
   struct Stream {
     std::uint64_t seq = 0;
     std::int64_t time_ns = 0;
+    bool may_begin_anew = false;
+    /// Whether this is a successor's first sample.
+    bool begins_anew(std::uint64_t newest) noexcept {
+      if (!may_begin_anew || newest > seq) return false;
+      *this = {};
+      return true;
+    }
   };
   struct KnownPlan {
     std::int64_t time_ns, valid_until_ns;
@@ -108,6 +117,7 @@ class Samples {
   bool reflex_ = false;
   std::uint64_t obeyed_ = 0;       // newest command that the robot applied
   std::int64_t obeyed_at_ns_ = 0;  // since when
+  std::uint64_t obeyed_at_ = 0;    // and since which state
   std::int64_t excused_until_ns_ = std::numeric_limits<std::int64_t>::min();
   Course course_;
   std::optional<std::int64_t> task_start_;  // [ns]

@@ -41,13 +41,13 @@ double grown(const invariants::Processes::Course& course) {
   return static_cast<double>(course.newest.memory) - static_cast<double>(course.at_settling.memory);
 }
 
+}  // namespace
+
 std::string time_text(double seconds) {
   if (seconds < 120.0) return fmt::format("{:.1f} s", seconds);
   if (seconds < 7200.0) return fmt::format("{:.1f} min", seconds / 60.0);
   return fmt::format("{:.2f} h", seconds / 3600.0);
 }
-
-}  // namespace
 
 void Thinned::add(double x, double y) {
   if (count_++ % every_ != 0) return;
@@ -59,11 +59,15 @@ void Thinned::add(double x, double y) {
   every_ *= 2;
 }
 
-ordered_json to_json(const Summary& summary, const Violations& violations, const Courses& courses) {
-  ordered_json by_name = ordered_json::object(), first = ordered_json::array(),
-               processes = ordered_json::array();
+ordered_json to_json(const Violations& violations) {
+  ordered_json by_name = ordered_json::object(), first = ordered_json::array();
   for (const auto& [name, count] : violations.counts()) by_name[name] = count;
   for (const Violation& violation : violations.kept()) first.push_back(to_json(violation));
+  return {{"count", violations.count()}, {"by_name", by_name}, {"first", first}};
+}
+
+ordered_json to_json(const Courses& courses) {
+  ordered_json processes = ordered_json::array();
   for (const auto& [name, course] : courses) {
     ordered_json process{{"name", name},
                          {"pid", course.pid},
@@ -80,6 +84,10 @@ ordered_json to_json(const Summary& summary, const Violations& violations, const
     }
     processes.push_back(process);
   }
+  return processes;
+}
+
+ordered_json to_json(const Summary& summary, const Violations& violations, const Courses& courses) {
   return {{"scenario", summary.scenario},
           {"clock", summary.clock},
           {"seed", summary.seed},
@@ -89,9 +97,9 @@ ordered_json to_json(const Summary& summary, const Violations& violations, const
           {"passes", {{"begun", summary.passes}, {"whole", summary.whole}, {"met", summary.met}}},
           {"samples", summary.samples},
           {"reflexes", summary.reflexes},
-          {"violations", {{"count", violations.count()}, {"by_name", by_name}, {"first", first}}},
+          {"violations", to_json(violations)},
           {"reproduce", summary.again},
-          {"processes", processes}};
+          {"processes", to_json(courses)}};
 }
 
 std::string to_text(const Summary& summary, const Violations& violations, const Courses& courses) {
@@ -118,18 +126,20 @@ std::string to_text(const Summary& summary, const Violations& violations, const 
                                    course.newest.threads, course.newest.descriptors,
                                    static_cast<double>(course.logged) / kKiB));
   }
-  if (violations.count() == 0) {
-    line("violations", "none");
-    return text;
-  }
+  text += to_text(violations);
+  for (const std::string& command : summary.again) line("again by", command);
+  return text;
+}
+
+std::string to_text(const Violations& violations) {
+  if (violations.count() == 0) return fmt::format("  {:<12}none\n", "violations");
   std::string names;
   for (const auto& [name, count] : violations.counts())
     names += fmt::format("{}{} {}", names.empty() ? "" : ", ", count, name);
-  line("VIOLATIONS", fmt::format("{}: {}", violations.count(), names));
+  std::string text = fmt::format("  {:<12}{}: {}\n", "VIOLATIONS", violations.count(), names);
   for (std::size_t i = 0; i < std::min(kMostShown, violations.kept().size()); ++i)
     text += "    " + describe(violations.kept()[i]) + "\n";
-  if (violations.count() > kMostShown) text += "    … soak.json has more\n";
-  for (const std::string& command : summary.again) line("again by", command);
+  if (violations.count() > kMostShown) text += "    … the JSON report has more\n";
   return text;
 }
 

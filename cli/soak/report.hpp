@@ -53,12 +53,20 @@ struct Summary {
   std::vector<std::string> again;  // commands that show the first violations again
 };
 
+nlohmann::ordered_json to_json(const invariants::Violations& violations);
+nlohmann::ordered_json to_json(const std::map<std::string, invariants::Processes::Course>& courses);
 nlohmann::ordered_json to_json(const Summary& summary, const invariants::Violations& violations,
                                const std::map<std::string, invariants::Processes::Course>& courses);
 
 /// The same for a person.
 std::string to_text(const Summary& summary, const invariants::Violations& violations,
                     const std::map<std::string, invariants::Processes::Course>& courses);
+
+/// Of violations alone, in lines.
+std::string to_text(const invariants::Violations& violations);
+
+/// A length of time for a person: "12.0 s", "3.5 min", "24.00 h".
+std::string time_text(double seconds);
 
 /// The two files that grow with the soak, on the disk and not in memory.
 class Files {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,8 +12,6 @@
 #include <unistd.h>
 
 #include "cli/invariants/load_limits.hpp"
-#include "cli/invariants/processes.hpp"
-#include "cli/invariants/samples.hpp"
 #include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
@@ -22,6 +19,7 @@
 #include "cli/recorder.hpp"
 #include "cli/soak/proc.hpp"
 #include "cli/soak/report.hpp"
+#include "cli/soak/watch.hpp"
 #include "cli/watch.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
@@ -38,37 +36,6 @@ constexpr double kSelfAfter = 1.0;        // a pass's begin: the last one's seri
 constexpr std::size_t kMostAgain = 5;     // commands that show a violation again
 constexpr double kWhole = 0.05;           // of the scene's period: the recording's last row [s]
 const char* const kSelf = "c3rt";         // this process
-
-/// What the recorder's thread hears and what this one adds, one at a time.
-class Watch final : public Listener {
- public:
-  void hear(const wire::Plan& sample) override { look(sample); }
-  void hear(const wire::Scene& sample) override { look(sample); }
-  void hear(const wire::ObjectEstimate& sample) override { look(sample); }
-  void hear(const wire::RobotState& sample) override { look(sample); }
-  void hear(const wire::RobotCommand& sample) override { look(sample); }
-  void hear(const wire::ServiceStatus& sample) override { look(sample); }
-
-  /// Everything else, while nothing is heard.
-  template <typename Action>
-  auto with(Action&& action) {
-    const std::lock_guard lock(mutex_);
-    return action(*this);
-  }
-
-  invariants::Violations violations;
-  invariants::Processes processes{{}, violations};
-  std::optional<invariants::Samples> samples;
-  std::uint64_t samples_before = 0, reflexes_before = 0;  // of earlier streams
-
- private:
-  template <typename T>
-  void look(const T& sample) {
-    const std::lock_guard lock(mutex_);
-    if (samples) samples->hear(sample);
-  }
-  std::mutex mutex_;
-};
 
 class Soak {
  public:
@@ -108,14 +75,8 @@ class Soak {
 
   /// Of what was heard up to now, and of what comes.
   void begin_streams(const Launch& launch, const task::Task& task) {
-    watch_.with([&](Watch& watch) {
-      if (watch.samples) {
-        watch.samples_before += watch.samples->samples();
-        watch.reflexes_before += watch.samples->reflexes();
-      }
-      watch.samples.emplace(invariants::load_limits(launch.scenario(), !settings_.launch.lockstep),
-                            task, watch.violations);
-    });
+    watch_.begin_streams(invariants::load_limits(launch.scenario(), !settings_.launch.lockstep),
+                         task);
   }
 
   Pass begin_pass(std::uint64_t seed) {
@@ -384,10 +345,8 @@ class Soak {
     summary_.details = details_;
     summary_.again = again();
     const std::uint64_t violations = watch_.violations.count();
-    if (watch_.samples) {
-      summary_.samples = watch_.samples_before + watch_.samples->samples();
-      summary_.reflexes = watch_.reflexes_before + watch_.samples->reflexes();
-    }
+    summary_.samples = watch_.samples_heard();
+    summary_.reflexes = watch_.reflexes_seen();
     summary_.result = !failed_.empty() ? failed_
                       : violations > 0 ? "violated"
                       : interrupted_   ? "interrupted"

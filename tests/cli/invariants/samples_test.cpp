@@ -243,6 +243,19 @@ TEST_CASE("samples: a process that was started again counts from 1") {
   CHECK(run.violations.count() == 0);
 }
 
+TEST_CASE(
+    "samples: of a process that was killed the last samples may come before its successor's") {
+  Run run;
+  run.cycles(10);
+  run.samples.restarted(c3rt_v2_PROCESS_IMPEDANCE);
+  run.cycles(3);  // still its own
+  for (int i = 0; i < 2; ++i) {
+    run.commands = 0;
+    run.cycle();
+    CHECK(run.of("sequence") == (i == 0 ? 0u : 1u));  // it was killed once
+  }
+}
+
 TEST_CASE("samples: a reflex without a cause is seen, with its errors' names") {
   Run run;
   run.cycles(10);
@@ -278,6 +291,25 @@ TEST_CASE("samples: a reflex of lost commands has its cause where commands were 
   run.mode = c3rt_v2_ROBOT_REFLEX;
   run.cycles(5);
   CHECK(run.of("reflex") == (lost < 19 ? 1u : 0u));
+}
+
+TEST_CASE("samples: a robot that moves on without commands is seen after 20 cycles") {
+  Run run;
+  run.cycles(10);
+  run.commanded = false;
+  run.cycle();  // the last command arrives
+  run.cycles(20);
+  CHECK(run.of("brake") == 0);
+  SECTION("it stops itself") {
+    run.mode = c3rt_v2_ROBOT_REFLEX;
+    run.state.errors = plant::bit(plant::Error::kCommunicationConstraintsViolation);
+    run.cycles(100);
+    CHECK(run.violations.count() == 0);
+  }
+  SECTION("it does not") {
+    run.cycles(2);
+    CHECK(run.of("brake") == 1);
+  }
 }
 
 TEST_CASE("samples: an object off its path is seen once the task judges it") {
