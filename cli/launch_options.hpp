@@ -17,7 +17,7 @@
 
 namespace c3rt::cli {
 
-/// Of c3rt run, up, serve and soak.
+/// Of c3rt run, up, serve, soak and chaos.
 struct LaunchOptions {
   LaunchSettings settings;
   double duration_s = 0.0;
@@ -69,7 +69,7 @@ struct LaunchOptions {
     return settings;
   }
 
-  /// Of c3rt run and soak.
+  /// Of c3rt run, soak and chaos.
   void add_in_process_to(CLI::App& command) {
     command.add_flag(
         "--in-process", settings.in_process,

@@ -17,6 +17,8 @@
 
 #include "cli/bench.hpp"
 #include "cli/campaign/options.hpp"
+#include "cli/chaos/chaos.hpp"
+#include "cli/chaos/kinds.hpp"
 #include "cli/checks.hpp"
 #include "cli/client.hpp"
 #include "cli/doctor/options.hpp"
@@ -52,6 +54,7 @@ constexpr const char* kExitStatus =
 
 /// The longest that a person may want something to take: a day [s]
 constexpr double kLongest = 86400.0;
+constexpr double kFastestChaos = 600.0;         // faults in a minute
 constexpr double kLongestSoak = 30 * kLongest;  // [s]
 
 void add_seat(CLI::App& command, cli::Seat& seat) {
@@ -135,6 +138,7 @@ class CommandLine {
     launch_.add_to(*run);
     launch_.add_results_to(*run);
     add_soak();
+    add_chaos();
     up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
       const cli::LaunchSettings settings = up_.read("up");
       return cli::up(settings, up_.words());
@@ -176,6 +180,30 @@ class CommandLine {
         ->default_str("10m");
     soak->add_option("--passes", soak_.passes, "Ends after so many, if the time is not over before")
         ->check(cli::whole(1, kMostLines));
+  }
+
+  void add_chaos() {
+    CLI::App* chaos = command(
+        app_, "chaos", "Faults drawn from a seed, and how long the task takes to go on after each",
+        [this] {
+          chaos_.launch = shaken_.read("chaos");
+          return cli::chaos::run(chaos_);
+        });
+    chaos->footer(cli::chaos::kinds_text() + "\n" + cli::examples_text("chaos"));
+    shaken_.add_scenario_to(*chaos);
+    shaken_.add_in_process_to(*chaos);
+    chaos->add_option("--faults", chaos_.faults,
+                      "Kinds, with a comma between them; default: all below that can be done");
+    chaos
+        ->add_option("--rate", chaos_.rate,
+                     "Faults in a minute of the time from one's end to the next one's begin")
+        ->check(cli::number(0.01, kFastestChaos))
+        ->capture_default_str();
+    chaos
+        ->add_option("--duration", chaos_.duration,
+                     "In all, of simulated time or in realtime of the wall's: 10s, 90m, 24h")
+        ->transform(cli::duration(1.0, kLongestSoak))
+        ->default_str("10m");
   }
 
   void add_requests() {
@@ -548,8 +576,9 @@ class CommandLine {
 
   CLI::App app_{"c3rt: contact-implicit model predictive control as a real-time service", "c3rt"};
   std::function<int()> action_;
-  cli::LaunchOptions launch_, up_, serve_, soaked_;
+  cli::LaunchOptions launch_, up_, serve_, soaked_, shaken_;
   cli::soak::Settings soak_;
+  cli::chaos::Settings chaos_;
   cli::campaign::Settings campaign_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;

@@ -52,9 +52,10 @@ may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/
 may(cli/mesh controller/scene)
 may(cli/invariants cli/report controller/base controller/task idl plant_emulator)
 may(cli/soak cli cli/report cli/invariants config idl controller/base controller/rt controller/task plant_emulator)
+may(cli/chaos cli cli/report cli/invariants cli/soak config idl controller/base controller/rt controller/task)
 may(cli/doctor cli config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency cli/soak config idl controller/base controller/rt controller/task
+may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario

@@ -1,0 +1,343 @@
+#include "cli/chaos/chaos.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "cli/chaos/recovery.hpp"
+#include "cli/chaos/report.hpp"
+#include "cli/chaos/world.hpp"
+#include "cli/invariants/load_limits.hpp"
+#include "cli/keeper.hpp"
+#include "cli/paths.hpp"
+#include "cli/progress.hpp"
+#include "cli/recorder.hpp"
+#include "cli/soak/proc.hpp"
+#include "cli/soak/report.hpp"
+#include "cli/soak/watch.hpp"
+#include "cli/watch.hpp"
+#include "controller/base/time.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli::chaos {
+namespace {
+
+constexpr double kPass = 300.0;           // of simulated time [s]
+constexpr double kTail = 5.0;             // after the last fault of a pass [s]
+constexpr double kLookAtProcesses = 5.0;  // [s]
+constexpr double kComesUp = 60.0;         // until the four must run [s]
+constexpr int kCyclesPerLook = 200;
+constexpr int kLoops = std::numeric_limits<int>::max();
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// The invariants, and the times of recovery.
+class Ears final : public soak::Watch {
+ public:
+  void hear(const wire::Plan& sample) override { both(sample); }
+  void hear(const wire::Scene& sample) override { both(sample); }
+  void hear(const wire::RobotState& sample) override { both(sample); }
+  void hear(const wire::RobotCommand& sample) override { both(sample); }
+
+  Recovery recovery;
+
+ private:
+  template <typename T>
+  void both(const T& sample) {
+    Watch::hear(sample);
+    with([&](Watch&) { recovery.hear(sample); });
+  }
+};
+
+class Chaos {
+ public:
+  explicit Chaos(const Settings& settings) : settings_(settings), begun_(wall_time()) {
+    summary_.seed = settings.launch.seed;
+    summary_.rate = settings.rate;
+    summary_.clock = settings.launch.clock_name();
+    if (settings.launch.in_process) summary_.clock += " in one process";
+  }
+
+  int run() {
+    if (settings_.launch.in_process) {
+      while (more()) {
+        LaunchSettings launch_settings = settings_.launch;
+        launch_settings.seed = settings_.launch.seed + summary_.passes;
+        Launch launch(launch_settings);
+        begin(launch);
+        simulate(launch, launch_settings.seed);
+      }
+    } else {
+      if (settings_.launch.lockstep)
+        throw UsageError("--clock lockstep: simulated faults are of --in-process");
+      run_in_realtime();
+    }
+    return finish();
+  }
+
+ private:
+  bool more() const {
+    return failed_.empty() && !interrupted_ && summary_.lasted + 0.05 < settings_.duration;
+  }
+
+  void begin(const Launch& launch) {
+    choices_ = choose(settings_.faults, {settings_.launch.in_process ? kSimulated : kRealtime,
+                                         extent_of(launch.scenario()).cameras});
+    if (files_) return;
+    summary_.scenario = launch.scenario().name;
+    settings_.launch.out = launch.out().string();
+    files_.emplace(launch.out());
+    fmt::print("c3rt chaos {} ({}, seed {}): {}\nresults in {}\n", summary_.scenario,
+               summary_.clock, summary_.seed, launch.scenario().description, launch.out().string());
+    std::fflush(stdout);
+    progress_.emplace("c3rt chaos " + summary_.scenario);
+  }
+
+  /// A run of the streams and its faults.
+  void begin_pass(const Launch& launch, const task::Task& task, std::uint64_t seed, double length) {
+    invariants::Limits limits =
+        invariants::load_limits(launch.scenario(), !settings_.launch.lockstep);
+    limits.object_error = kForever;  // what it does meanwhile is what is tried
+    ears_.begin_streams(limits, task);
+    ears_.with([&](soak::Watch& watch) {
+      watch.violations.begin_pass(++summary_.passes, seed);
+      ears_.recovery = Recovery();
+    });
+    schedule_.emplace(choices_, settings_.rate, seed);
+    next_ = schedule_->next();
+    active_.reset();
+    length_ = length;
+  }
+
+  void end_pass() {
+    ears_.with([&](soak::Watch&) {
+      ears_.recovery.finish();
+      const auto& outcomes = ears_.recovery.outcomes();
+      outcomes_.insert(outcomes_.end(), outcomes.begin(), outcomes.end());
+    });
+  }
+
+  /// Begins and ends what is due.
+  /// @param time since the pass began [s]  @param now_ns the same on the session's clock
+  /// @return the fault that has begun, if one has
+  const Fault* step(World& world, double time, std::int64_t now_ns) {
+    world.look(now_ns);
+    if (active_ && time >= active_->end()) {
+      world.end(*active_, now_ns);
+      ears_.with([&](soak::Watch&) { ears_.recovery.end(now_ns); });
+      active_.reset();
+    }
+    const bool impatient =
+        ears_.with([&](soak::Watch&) { return ears_.recovery.lost_patience(now_ns); });
+    if (impatient) {
+      ears_.with([&](soak::Watch& watch) {
+        watch.violations.add("not_recovered", describe(*last_), time, Recovery::kPatience,
+                             Recovery::kPatience, "s");
+      });
+    }
+    if (active_ || time < next_.begin || next_.end() + kTail > length_) return nullptr;
+    last_ = active_ = next_;
+    next_ = schedule_->next();
+    ears_.with([&](soak::Watch&) { ears_.recovery.begin(*active_, now_ns); });
+    world.begin(*active_, now_ns);
+    return &*last_;
+  }
+
+  void show(double lasted) {
+    std::uint64_t violations = 0;
+    std::size_t faults = 0;
+    ears_.with([&](soak::Watch& watch) {
+      violations = watch.violations.count();
+      faults = outcomes_.size() + ears_.recovery.outcomes().size();
+    });
+    progress_->update(lasted / settings_.duration,
+                      fmt::format("{:.0f} s, {} faults, {} violations{}", lasted, faults,
+                                  violations, active_ ? ", " + describe(*active_) : ""));
+  }
+
+  void look_at(const std::string& name, int pid, const std::filesystem::path& log, double time) {
+    const invariants::ProcessSample sample = soak::look_at_process(name, pid, log);
+    files_->add(time, sample);
+    ears_.with([&](soak::Watch& watch) { watch.processes.hear(time, sample); });
+  }
+
+  void simulate(Launch& launch, std::uint64_t seed) {
+    const config::Scenario& scenario = launch.scenario();
+    const task::Task task = scenario.task.motion.seeded(seed);
+    const double length = std::min(kPass, settings_.duration - summary_.lasted);
+    begin_pass(launch, task, seed, length);
+    Recorder recorder(launch.bus(), {}, {task, kLoops, length, kForever}, launch.out(), &ears_);
+    try {
+      InProcess nodes(scenario, seed, launch.bus());
+      SimulatedWorld world(scenario, launch.bus(), nodes);
+      nodes.join(Recorder::kPeriod_ns,
+                 [&recorder](const wire::Sequences& newest) { recorder.take(newest); });
+      for (int cycle = 0; !interrupted_ && nodes.now_ns() < base::nanoseconds(length); ++cycle) {
+        interrupted_ = wire::StopFlag::requested();
+        step(world, base::seconds(nodes.now_ns()), nodes.now_ns());
+        nodes.advance();
+        if (cycle % kCyclesPerLook == 0) show(summary_.lasted + base::seconds(nodes.now_ns()));
+      }
+      summary_.lasted += base::seconds(nodes.now_ns());
+    } catch (const std::exception& error) {
+      failed_ = error.what();
+    }
+    recorder.stop();
+    summary_.log_hashes.push_back(recorder.log_hash());
+    end_pass();
+    look_at("c3rt", getpid(), {}, summary_.lasted);
+  }
+
+  void run_in_realtime() {
+    Launch launch(settings_.launch);
+    const task::Task task = launch.scenario().task.motion.seeded(settings_.launch.seed);
+    begin(launch);
+    launch.require_free_bus();
+    begin_pass(launch, task, settings_.launch.seed, settings_.duration);
+    Supervisor supervisor;
+    // a short recording: after it the listener goes on
+    Recorder recorder(launch.bus(), {}, {task, kLoops, 0.1, kForever}, launch.out(), &ears_);
+    launch.start(supervisor, false);
+    {
+      Keeper keeper(launch, supervisor);
+      RealWorld world(launch, supervisor);
+      if (comes_up(keeper, recorder)) keep(launch, supervisor, keeper, world, recorder);
+    }
+    recorder.stop();
+    stop(supervisor);
+    launch.lock().set_ended("chaos ended");
+    end_pass();
+  }
+
+  bool comes_up(Keeper& keeper, const Recorder& recorder) {
+    const double deadline = wall_time() + kComesUp;
+    while (failed_.empty() && !interrupted_) {
+      interrupted_ = wire::StopFlag::requested();
+      if (!look_after(keeper)) return false;
+      const Live live = recorder.live();
+      const bool all = std::count_if(live.services.begin(), live.services.end(),
+                                     [](const auto& s) { return s.has_value(); }) >= 4;
+      if (all && recorder.done()) return true;
+      if (wall_time() > deadline) failed_ = "the four processes did not come up";
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  bool look_after(Keeper& keeper) {
+    const auto end = keeper.step();
+    if (end) failed_ = failure_text(*end);
+    return !end;
+  }
+
+  void keep(const Launch& launch, const Supervisor& supervisor, Keeper& keeper, World& world,
+            const Recorder& recorder) {
+    const std::int64_t begun_ns = rt::now_ns();
+    double looked = -kForever;
+    while (!interrupted_ && failed_.empty() && summary_.lasted < settings_.duration) {
+      interrupted_ = wire::StopFlag::requested();
+      const std::int64_t now_ns = rt::now_ns();
+      summary_.lasted = base::seconds(now_ns - begun_ns);
+      if (const std::string failure = recorder.failure(); !failure.empty())
+        failed_ = "recorder: " + failure;
+      const Fault* begun = step(world, summary_.lasted, now_ns);
+      if (begun != nullptr && begun->kind->act == Act::kKill) {
+        ears_.with([&](soak::Watch& watch) {
+          watch.processes.restarted(begun->target);
+          watch.samples->restarted(process_of(begun->target));
+        });
+        looked = summary_.lasted;  // until its successor is there
+      }
+      if (!look_after(keeper)) break;
+      if (summary_.lasted - looked > kLookAtProcesses) {
+        looked = summary_.lasted;
+        for (const auto& [name, pid] : supervisor.pids())
+          look_at(name, pid, launch.out() / "logs" / (name + ".log"), looked);
+        look_at("c3rt", getpid(), {}, looked);
+      }
+      show(summary_.lasted);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  /// A command that shows the first violation, or what has not recovered, again.
+  std::string again() const {
+    const auto& kept = ears_.violations.kept();
+    if (kept.empty()) return "";
+    const LaunchSettings& launch = settings_.launch;
+    std::string command =
+        fmt::format("c3rt chaos {} --seed {} --rate {:g} --duration {:.0f}s", launch.scenario,
+                    kept.front().seed, settings_.rate,
+                    launch.in_process ? std::min(kPass, settings_.duration) : settings_.duration);
+    if (launch.in_process) command += " --in-process";
+    if (!settings_.faults.empty()) command += " --faults " + settings_.faults;
+    for (const std::string& assignment : launch.overrides) command += " --set " + assignment;
+    return command;
+  }
+
+  int finish() {
+    progress_.reset();
+    summary_.wall = wall_time() - begun_;
+    summary_.samples = ears_.samples_heard();
+    summary_.reflexes = ears_.reflexes_seen();
+    summary_.again = again();
+    const std::vector<Criterion> criteria = criteria_of(outcomes_);
+    const bool kept = ears_.violations.count() == 0 &&
+                      std::all_of(criteria.begin(), criteria.end(),
+                                  [](const Criterion& criterion) { return criterion.met; });
+    summary_.result = !failed_.empty() ? failed_.substr(0, failed_.find('\n'))
+                      : !kept          ? "violated"
+                      : interrupted_   ? "interrupted"
+                                       : "passed";
+    const std::filesystem::path out = settings_.launch.out;
+    const std::string text = to_text(summary_, outcomes_, ears_.violations);
+    write_text(
+        out / "chaos.json",
+        to_json(summary_, outcomes_, ears_.violations, ears_.processes.courses()).dump(2) + "\n");
+    write_text(out / "chaos.txt", text);
+    write_text(out / "faults.csv", to_csv(outcomes_));
+    std::string missing;
+    if (settings_.launch.pictures) {
+      missing = draw_recovery(
+          out, fmt::format("c3rt chaos {} ({})", summary_.scenario, summary_.clock), outcomes_);
+    }
+    fmt::print("\n{}", text);
+    if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
+    fmt::print("  {:<12}{}\n", "report", out.string());
+    std::fflush(stdout);
+    if (!failed_.empty()) {
+      fmt::print(stderr, "c3rt: error: {}\n", failed_);
+      return kProcessFailed;
+    }
+    return kept && !interrupted_ ? kDone : kCriterionFailed;
+  }
+
+  Settings settings_;
+  Summary summary_;
+  const double begun_;  // by the wall [s]
+  Ears ears_;
+  std::vector<Choice> choices_;
+  std::optional<Schedule> schedule_;
+  Fault next_;
+  std::optional<Fault> active_, last_;
+  double length_ = 0.0;            // of the pass [s]
+  std::vector<Outcome> outcomes_;  // of the passes that have ended
+  std::optional<soak::Files> files_;
+  std::optional<Progress> progress_;
+  bool interrupted_ = false;
+  std::string failed_;
+};
+
+}  // namespace
+
+int run(const Settings& settings) { return Chaos(settings).run(); }
+
+}  // namespace c3rt::cli::chaos
