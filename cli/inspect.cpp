@@ -30,8 +30,7 @@ constexpr double kEffectorMass = 1.0;       // [kg]
 constexpr double kEffectorRadius = 0.0195;  // [m]
 constexpr double kEffectorGap = 0.01;       // [m]
 constexpr double kFrictionTable = 0.4, kFrictionEffector = 0.5, kFrictionObjects = 0.3;
-constexpr double kApart = 0.05;              // objects from each other [m]
-constexpr double kSpeed = 0.1, kTurn = 1.0;  // of the moving object [m/s], [rad/s]
+constexpr double kApart = 0.05;  // objects from each other [m]
 
 struct Inspected {
   std::vector<mjcf::ObjectFile> files;
@@ -113,11 +112,11 @@ void print_errors(Inspected& of, model::ContactModel contact_model, double step)
   const model::BlockErrors resting = row("at rest", of.scene);
   scene::Scene moving = of.scene;
   for (int i = 0; i < moving.body_count; ++i) {
-    moving.body(i).v_WB << kSpeed, 0.0, 0.0;
-    moving.body(i).omega_WB << 0.0, 0.0, kTurn;
+    moving.body(i).v_WB << kInspectedSpeed, 0.0, 0.0;
+    moving.body(i).omega_WB << 0.0, 0.0, kInspectedTurn;
   }
   const model::BlockErrors turning =
-      row(fmt::format("at {:g} m/s and {:g} rad/s", kSpeed, kTurn), moving);
+      row(fmt::format("at {:g} m/s and {:g} rad/s", kInspectedSpeed, kInspectedTurn), moving);
   warn_of_errors(resting, turning, of.warnings);
 }
 

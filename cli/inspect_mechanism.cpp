@@ -22,8 +22,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Kind = scene::Coordinate::Kind;
 
-constexpr double kSpeed = 0.1, kTurn = 1.0;  // of what moves [m/s], [rad/s]
-constexpr double kGoal = 0.1;                // of the written problem [m], [rad]
+constexpr double kGoal = 0.1;  // of the written problem [m], [rad]
 
 [[noreturn]] void refuse_pair(const std::string& pair) {
   throw UsageError("--pairs: expected FIRST,SECOND[,closest=N][,friction=MU], got \"" +
@@ -150,23 +149,24 @@ void print_errors(const model::MechanismModel& model, double step,
     // of a free body along x and about z
     const bool moves = of.kind == Kind::kSlide || of.kind == Kind::kHinge ||
                        of.name.back() == (of.kind == Kind::kPosition ? 'x' : 'z');
-    x[mechanism.n_v() + i] = moves ? (turns(of) ? kTurn : kSpeed) : 0.0;
+    x[mechanism.n_v() + i] = moves ? (turns(of) ? kInspectedTurn : kInspectedSpeed) : 0.0;
   }
   const model::BlockErrors moving = model::block_errors(model, x, step);
-  print_error_row(fmt::format("at {:g} m/s and {:g} rad/s", kSpeed, kTurn), moving);
+  print_error_row(fmt::format("at {:g} m/s and {:g} rad/s", kInspectedSpeed, kInspectedTurn),
+                  moving);
   warn_of_errors(resting, moving, warnings);
 }
 
-struct Goal {
+struct WrittenGoal {
   VectorXd x0, Q, x_desired;
   std::string text;
 };
 
 /// What no motor moves is brought somewhere: all free bodies along x, else the first joint of those
 /// without a motor, else the first.
-Goal goal_of(const scene::Mechanism& mechanism) {
+WrittenGoal goal_of(const scene::Mechanism& mechanism) {
   const int n_v = mechanism.n_v();
-  Goal goal{VectorXd::Zero(2 * n_v), VectorXd::Zero(2 * n_v), {}, {}};
+  WrittenGoal goal{VectorXd::Zero(2 * n_v), VectorXd::Zero(2 * n_v), {}, {}};
   goal.x0.head(n_v) = mechanism.home();
   goal.x_desired = goal.x0;
   int joint = -1;
@@ -235,7 +235,7 @@ int inspect_mechanism(const InspectSettings& settings) {
     throw UsageError(settings.models[0] + ": " + e.what());
   }
   const scene::Mechanism& mechanism = model->mechanism();
-  const Goal goal = goal_of(mechanism);
+  const WrittenGoal goal = goal_of(mechanism);
   model::ContactSystem system;
   model->evaluate(goal.x0, system);
   const lcs::Lcs lcs = model::to_lcs(model->contact_model(), system, settings.step);

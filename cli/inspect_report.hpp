@@ -11,6 +11,9 @@
 
 namespace c3rt::cli {
 
+/// Of what moves where the blocks are checked in motion [m/s], [rad/s].
+constexpr double kInspectedSpeed = 0.1, kInspectedTurn = 1.0;
+
 /// "box of 160 x 40 x 40 mm"
 std::string describe(const scene::Shape& shape);
 

@@ -6,6 +6,8 @@
 #   tests/check.sh tidy [FILE...]      clang-tidy's checks of .clang-tidy, of these files or of all but the tests'
 #   tests/check.sh tidy --since COMMIT the same of the files that changed since then or include what did
 #   tests/check.sh sanitizers          the unit and property tests under address and undefined-behaviour sanitizers
+#   tests/check.sh sanitizers --whole  the same of the whole suite, with its processes; not part of continuous integration
+#   tests/check.sh threads             the tests of what has threads under the thread sanitizer; not part of it either
 #
 # Needs cmake/packages_check.txt (./c3rt check installs it) and, for tidy, a configured build (./c3rt build).
 set -euo pipefail
@@ -18,7 +20,7 @@ fail() {
   exit 1
 }
 usage() {
-  sed -n 's/^# \{0,1\}//; 2,11p' "${BASH_SOURCE[0]}"
+  sed -n 's/^# \{0,1\}//; 2,12p' "${BASH_SOURCE[0]}"
   exit "$1"
 }
 # need PROGRAM: of a fixed major version, since another one formats otherwise
@@ -46,11 +48,18 @@ with_changes() {
   mapfile -t changed < <(git diff --name-only --diff-filter=d "$1" -- '*.cpp' '*.hpp')
   ((${#changed[@]})) || return 0
   printf '%s\n' "${changed[@]}"
-  # the first of the files that the compiler read is the source itself; ccache may have made their paths relative
+  # what the compiler read for an object: its source, or several that were joined, and all they include; ccache may have made
+  # their paths relative
   ninja -C build/release -t deps | awk -v root="$root/" '
-    NR == FNR { changed[root $0]; next }
-    /^[^ ]/ { source = "" }
-    /^ / { file = $1; sub(/^\.\.\/\.\.\//, root, file); if (source == "") source = file; if (file in changed) print substr(source, length(root) + 1) }
+    function tell() { if (concerned) printf "%s", sources; sources = ""; concerned = 0 }
+    NR == FNR { if ($0 !~ /\.cpp$/) changed[root $0]; next }
+    /^[^ ]/ { tell() }
+    /^ / {
+      file = $1; sub(/^\.\.\/\.\.\//, root, file)
+      if (file in changed) concerned = 1
+      if (index(file, root) == 1 && file ~ /\.cpp$/) sources = sources substr(file, length(root) + 1) "\n"
+    }
+    END { tell() }
   ' <(printf '%s\n' "${changed[@]}") -
 }
 
@@ -77,15 +86,27 @@ tidy() {
   elif (($#)); then
     files=("$@")
   fi
-  # the same commands without GCC's precompiled headers, which clang does not read: so every source is also read with what it
-  # includes itself and nothing else
+  # the same commands for each source by itself, without GCC's precompiled headers, which clang does not read: so every source
+  # is also read with what it includes itself and nothing else
   export tidy_folder=build/tidy
   mkdir -p "$tidy_folder"
-  sed -E 's/ -Winvalid-pch| -fpch-preprocess| -include [^ ]*cmake_pch\.hxx//g' "$compiled" >"$tidy_folder/compile_commands.json"
+  python3 - "$compiled" >"$tidy_folder/compile_commands.json" <<'END'
+import json, pathlib, re, sys
+entries = []
+for entry in json.load(open(sys.argv[1])):
+    entry["command"] = re.sub(r" -Winvalid-pch| -fpch-preprocess| -include \S*cmake_pch\.hxx", "", entry.get("command", ""))
+    joined = entry["file"]
+    sources = [joined]
+    if "/Unity/" in joined:
+        sources = re.findall(r'^#include "(.+)"$', pathlib.Path(joined).read_text(), re.MULTILINE)
+    for source in sources:
+        entries.append({**entry, "command": entry["command"].replace(joined, source), "file": source})
+json.dump(entries, sys.stdout, indent=0)
+END
   local file
   for file in "${files[@]}"; do
     # clang-tidy would guess how to compile it
-    grep -qF "\"file\": \"$root/$file\"" "$compiled" || fail "$file is not compiled by build/release: no CMakeLists.txt names it, or its library is not installed"
+    grep -qF "\"file\": \"$root/$file\"" "$tidy_folder/compile_commands.json" || fail "$file is not compiled by build/release: no CMakeLists.txt names it, or its library is not installed"
   done
   printf 'check: tidy: %s files\n' "${#files[@]}"
   ((${#files[@]})) || return 0
@@ -95,10 +116,27 @@ tidy() {
 }
 
 sanitizers() {
+  local -a build=(unit_tests) choice=(--label-regex '^(unit|property)$')
+  case ${1:-} in
+    '') ;;
+    --whole) build=(all) choice=() ;;
+    *) usage 2 >&2 ;;
+  esac
   cmake --preset asan >/dev/null
-  ninja -C build/asan -j "$jobs" --quiet unit_tests || fail "the sanitized tests do not build"
-  ctest --preset asan --no-tests=error --label-regex '^(unit|property)$' ||
-    fail "a sanitized test failed: see above"
+  ninja -C build/asan -j "$jobs" --quiet "${build[@]}" || fail "the sanitized tests do not build"
+  ctest --preset asan --no-tests=error "${choice[@]}" || fail "a sanitized test failed: see above"
+}
+
+# The rooms whose code runs in several threads; the client in Python has its own Cyclone.
+threads() {
+  cmake --preset tsan >/dev/null
+  local -a built
+  mapfile -t built < <(ninja -C build/tsan -t targets all |
+    sed -nE 's/^(test_(idl|controller_rt|controller_impedance|controller_planner|vision)_[a-z0-9_]+): phony$/\1/p')
+  ((${#built[@]})) || fail "build/tsan has no tests"
+  ninja -C build/tsan -j "$jobs" --quiet programs "${built[@]}" || fail "the tests do not build"
+  ctest --preset tsan --no-tests=error -R '^(idl|controller/(rt|impedance|planner)|vision)/' -E python_client ||
+    fail "a test failed under the thread sanitizer: see above"
 }
 
 case ${1:-all} in
@@ -107,7 +145,7 @@ case ${1:-all} in
     tidy
     sanitizers
     ;;
-  format | tidy | sanitizers) "$@" ;;
+  format | tidy | sanitizers | threads) "$@" ;;
   -h | --help) usage 0 ;;
   *) usage 2 >&2 ;;
 esac

@@ -62,14 +62,15 @@ rule compile
   depfile = \$out.d
 END
 {
-  printf '[\n'
+  separator='['
   for name in a b c; do
-    printf '{\n  "file": "%s/room/%s.cpp"\n},\n' "$PWD" "$name"
+    printf '%s\n{\n  "file": "%s/room/%s.cpp"\n}' "$separator" "$PWD" "$name"
+    separator=,
     path=$PWD
     [[ $name != b ]] || path=../..  # as with a compiler cache
     printf 'build %s.o: compile %s/room/%s.cpp\n' "$name" "$path" "$name" >>build/release/build.ninja
   done
-  printf ']\n'
+  printf '\n]\n'
 } >build/release/compile_commands.json
 ninja -C build/release >/dev/null
 
@@ -94,6 +95,30 @@ git checkout -q .clang-tidy
 tidy --since 0000000000000000000000000000000000000000
 expect "a commit that is not there is red" "$status:$seen" "1:"
 
+# a build that joins two sources: each is read by itself
+mkdir -p build/release/Unity
+printf '#include "%s/room/%s.cpp"\n' "$PWD" a "$PWD" c >build/release/Unity/unity_0_cxx.cxx
+{
+  printf '[\n{"file": "%s/build/release/Unity/unity_0_cxx.cxx", "command": "c++ -I%s -include x/cmake_pch.hxx -c %s/build/release/Unity/unity_0_cxx.cxx"},\n' "$PWD" "$PWD" "$PWD"
+  printf '{"file": "%s/room/b.cpp", "command": "c++ -c %s/room/b.cpp"}\n]\n' "$PWD" "$PWD"
+} >build/release/compile_commands.json
+cat >build/release/build.ninja <<END
+rule compile
+  command = c++ -I$PWD -MD -MF \$out.d -c \$in -o \$out
+  deps = gcc
+  depfile = \$out.d
+build joined.o: compile $PWD/build/release/Unity/unity_0_cxx.cxx
+build b.o: compile $PWD/room/b.cpp
+END
+ninja -C build/release >/dev/null
+tidy
+expect "joined sources are read one by one" "$status:$seen" "0:room/a.cpp room/b.cpp room/c.cpp "
+expect "with their own commands" "$(grep -c -- "-c $PWD/room/c.cpp" build/tidy/compile_commands.json):$(grep -c 'cmake_pch\|Unity' build/tidy/compile_commands.json)" "1:0"
+echo '// changed' >>room/c.cpp
+tidy --since HEAD
+expect "of joined sources the one that changed" "$status:$seen" "0:room/c.cpp "
+git checkout -q room
+
 echo '// new' >room/d.cpp
 git add room/d.cpp
 tidy --since HEAD
@@ -105,6 +130,30 @@ tidy
 expect "a file that cannot be read is red and the others are looked at" "$status:$seen" "1:room/a.cpp room/b.cpp room/c.cpp "
 expect "and it is said why" "$(grep -c 'clang-diagnostic-error' "$scratch/said")" 1
 git checkout -q room
+# a build that joins two sources: each is read by itself
+mkdir -p build/release/Unity
+printf '#include "%s/room/%s.cpp"\n' "$PWD" a "$PWD" c >build/release/Unity/unity_0_cxx.cxx
+{
+  printf '[\n{"file": "%s/build/release/Unity/unity_0_cxx.cxx", "command": "c++ -I%s -include x/cmake_pch.hxx -c %s/build/release/Unity/unity_0_cxx.cxx"},\n' "$PWD" "$PWD" "$PWD"
+  printf '{"file": "%s/room/b.cpp", "command": "c++ -c %s/room/b.cpp"}\n]\n' "$PWD" "$PWD"
+} >build/release/compile_commands.json
+cat >build/release/build.ninja <<END
+rule compile
+  command = c++ -I$PWD -MD -MF \$out.d -c \$in -o \$out
+  deps = gcc
+  depfile = \$out.d
+build joined.o: compile $PWD/build/release/Unity/unity_0_cxx.cxx
+build b.o: compile $PWD/room/b.cpp
+END
+ninja -C build/release >/dev/null
+tidy
+expect "joined sources are read one by one" "$status:$seen" "0:room/a.cpp room/b.cpp room/c.cpp "
+expect "with their own commands" "$(grep -c -- "-c $PWD/room/c.cpp" build/tidy/compile_commands.json):$(grep -c 'cmake_pch\|Unity' build/tidy/compile_commands.json)" "1:0"
+echo '// changed' >>room/c.cpp
+tidy --since HEAD
+expect "of joined sources the one that changed" "$status:$seen" "0:room/c.cpp "
+git checkout -q room
+
 echo '// new' >room/d.cpp
 git add room/d.cpp
 tidy

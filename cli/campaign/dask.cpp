@@ -22,9 +22,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr auto kLook = std::chrono::milliseconds(200);
-constexpr double kAnswer = 60.0;  // of a helper program, on a cold disk [s]
-constexpr double kGrace = 30.0;   // the runs on the workers end first [s]
+constexpr auto kLookAtWorkers = std::chrono::milliseconds(200);
+constexpr double kAnswer = 60.0;        // of a helper program, on a cold disk [s]
+constexpr double kWorkersGrace = 30.0;  // the runs on the workers end first [s]
 constexpr const char* kPrograms[] = {"c3rt", "c3rt-plant", "c3rt-impedance", "c3rt-planner",
                                      "c3rt-vision"};
 
@@ -125,9 +125,9 @@ void run_on_dask(const std::vector<Job>& jobs, const std::string& address, int a
     waiting.erase(first_left, waiting.end());
     if (gone) break;
     watch.look(std::min(at_once, static_cast<int>(waiting.size())));
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kLookAtWorkers);
   }
-  supervisor.stop(kGrace);
+  supervisor.stop(kWorkersGrace);
   if (!gone || waiting.empty()) return;
   const std::string text = tail(folder / "dask.log", 15);
   if (WIFEXITED(gone->status) && WEXITSTATUS(gone->status) == kUsage)

@@ -9,6 +9,9 @@
 
 namespace c3rt::cli::latency {
 
+/// Of the servo, and so of the probes beside it.
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+
 /// Quantiles by nearest rank [s]; kNone without samples.
 struct Distribution {
   std::uint64_t count = 0;

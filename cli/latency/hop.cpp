@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/latency/analysis.hpp"
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/rt/thread_setup.hpp"
@@ -24,7 +25,6 @@
 namespace c3rt::cli::latency {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 1'000'000;
 constexpr std::int64_t kLost_ns = 50'000'000;           // an answer that takes longer is lost
 constexpr std::int64_t kDiscovery_ns = 15'000'000'000;  // until both ends know each other
 constexpr auto kLook = std::chrono::milliseconds(50);

@@ -14,7 +14,6 @@
 namespace c3rt::cli::latency {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 1'000'000;
 constexpr std::int64_t kFirst_ns = 20'000'000;  // until every thread stands ready
 constexpr std::size_t kMostReferences = 8;
 constexpr double kSlack_s = 2.0;  // of the room for samples

@@ -5,14 +5,14 @@
 
 #include "cli/report/course.hpp"
 #include "cli/report/metrics.hpp"
+#include "controller/base/time.hpp"
 
 namespace c3rt::cli {
 namespace {
 
 constexpr double kLastTime = 1.0;  // in the band for that long at the end [s]
-constexpr std::int64_t kNs = 1'000'000'000;
 
-double seconds(std::int64_t duration_ns) { return static_cast<double>(duration_ns) / kNs; }
+using base::seconds;
 
 struct Row {
   double time;   // since the recording's start [s]

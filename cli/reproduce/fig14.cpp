@@ -12,7 +12,7 @@ namespace {
 constexpr double kPaperLimit = 0.003;         // "consistently lower than" [m]
 constexpr double kFrom = 1.0, kUntil = 21.0;  // what is drawn, since the begin of the task [s]
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr const char* kColors[] = {"#d04020", "#1b7837", "#1f5fd0"};
+constexpr const char* kAxisColors[] = {"#d04020", "#1b7837", "#1f5fd0"};
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void fig14(const Context& context) {
   upper.curves.push_back({"3 mm: the paper's bound", "#d04020", times,
                           Eigen::VectorXd::Constant(count, 1e3 * kPaperLimit), true});
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    lower.curves.push_back({kAxes[axis], kColors[axis], times, desired.col(axis)});
+    lower.curves.push_back({kAxes[axis], kAxisColors[axis], times, desired.col(axis)});
   }
   fmt::print(
       "Figure 14: the end effector's tracking error in circle_vision, lockstep, seed 1, from "

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 // the paper does not say which: the cart moves to the right, the tip 1 cm from the right wall
 const Eigen::Vector4d kState(0.44, 0.1, 0.6, -0.2);
 constexpr std::array<int, 3> kIterations{1, 3, 10};
-constexpr std::array<const char*, 3> kColors{"#b0b0b0", "#d04020", "#1f5fd0"};
+constexpr std::array<const char*, 3> kCurveColors{"#b0b0b0", "#d04020", "#1f5fd0"};
 
 /// max |min(λ, E x + F λ + H u + c)| of each stage
 VectorXd violations(const lcs::Lcs& lcs, const c3::Sizes& s, const Eigen::MatrixXd& z) {
@@ -50,8 +50,8 @@ void fig7(const Context& context) {
     const std::string name = fmt::format("iteration {}", kIterations[i]);
     const VectorXd lambda = iterate.z.row(s.n_x + model::CartPoleLayout::right_wall);
     const VectorXd violated = violations(lcs, s, iterate.z);
-    force.curves.push_back({name, kColors[i], times, lambda, false, true});
-    violation.curves.push_back({name, kColors[i], times, violated, false, true});
+    force.curves.push_back({name, kCurveColors[i], times, lambda, false, true});
+    violation.curves.push_back({name, kCurveColors[i], times, violated, false, true});
     rows.push_back({std::to_string(kIterations[i]), shown(lambda.maxCoeff()),
                     shown(violated.maxCoeff()), shown(violated.mean())});
     results["iterations"][std::to_string(kIterations[i])] = {{"lambda_1_n", numbers(lambda)},

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr const char* kScenario = "cart_pole_hardware";
+constexpr const char* kHardware = "cart_pole_hardware";
 
 /// The cost (14) of what the plant did in the N control steps from each on; kNone near the end.
 VectorXd actual_costs(const example::Experiment& experiment, const example::Trajectory& run) {
@@ -52,8 +52,8 @@ VectorXd monolithic_costs(const Context& context, const example::Experiment& exp
 }
 
 ordered_json measure(const Context& context) {
-  const example::Experiment experiment = context.scenario(kScenario, {}).experiment;
-  const ExampleScenario scenario = context.scenario(kScenario, {});
+  const example::Experiment experiment = context.scenario(kHardware, {}).experiment;
+  const ExampleScenario scenario = context.scenario(kHardware, {});
   example::C3Controller controller(experiment);
   const example::Trajectory run = run_loop(context, "Figure 8, C3", scenario, controller);
   int proven = 0;
@@ -69,7 +69,7 @@ ordered_json measure(const Context& context) {
 
 void fig8(const Context& context) {
   const ordered_json costs =
-      context.part("costs", kScenario, {}, {{"miqp_limit_s", context.settings().miqp_limit}},
+      context.part("costs", kHardware, {}, {{"miqp_limit_s", context.settings().miqp_limit}},
                    [&] { return measure(context); });
   const VectorXd c3 = to_vector(costs["c3"]), miqp = to_vector(costs["miqp"]),
                  actual = to_vector(costs["actual"]);
@@ -95,7 +95,7 @@ void fig8(const Context& context) {
   const std::vector<Curve> curves{{"actual", "#202020", times, actual},
                                   {"C3", "#1f5fd0", times, c3},
                                   {"MIQP", "#d04020", times, miqp, true}};
-  const example::Disturbance push = context.scenario(kScenario, {}).experiment.disturbance;
+  const example::Disturbance push = context.scenario(kHardware, {}).experiment.disturbance;
   const std::vector<Shade> shades{
       {"disturbance", "#e4e4e4", 0.0, 1.0, {{push.start, push.start + push.duration}}}};
   context.finish(costs, "Figure 8: cost-to-go of the cart-pole experiment",

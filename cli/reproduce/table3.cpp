@@ -10,7 +10,7 @@
 namespace c3rt::cli::reproduce {
 namespace {
 
-constexpr const char* kScenario = "cart_pole";
+constexpr const char* kCartPole = "cart_pole";
 
 struct Method {
   std::string key, name, color;
@@ -89,7 +89,7 @@ class Rehearsal final : public example::Controller {
 };
 
 ordered_json measure(const Context& context, const Method& method, const Overrides& overrides) {
-  const ExampleScenario scenario = context.scenario(kScenario, overrides);
+  const ExampleScenario scenario = context.scenario(kCartPole, overrides);
   Rehearsal rehearsal(scenario.experiment);
   const example::Trajectory trajectory = run_loop(context, method.name, scenario, rehearsal);
   const Eigen::Map<const Eigen::VectorXd> times(
@@ -116,7 +116,7 @@ void table3(const Context& context) {
   Panel costs{"", "time [s]", "cost-to-go of the plans", {}, {}, true};
   for (const Method& method : methods()) {
     const Overrides overrides{"c3.projection=" + method.key};
-    const ordered_json figures = context.part(method.key, kScenario, overrides, {},
+    const ordered_json figures = context.part(method.key, kCartPole, overrides, {},
                                               [&] { return measure(context, method, overrides); });
     const ordered_json& time = figures["projection_s"];
     rows.push_back({method.name, method.paper_time, method.authors_time,

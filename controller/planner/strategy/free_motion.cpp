@@ -10,23 +10,23 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr double kLook = 0.005;   // between two looks at a line [m]
-constexpr double kAway = 0.5;     // a line that begins too near comes away by this much of itself
-constexpr double kBraking = 0.8;  // of the acceleration, so that no corner is run past
-constexpr double kTurning = 2.0;  // and the most that the velocity changes, in accelerations
-constexpr double kBetter = 3e-4;  // by so much a place is farther from all bodies [m]
+constexpr double kLook = 0.005;  // between two looks at a line [m]
+constexpr double kAway = 0.5;    // a line that begins too near comes away by this much of itself
+constexpr double kBrakingShare = 0.8;  // of the acceleration, so that no corner is run past
+constexpr double kTurning = 2.0;       // and the most that the velocity changes, in accelerations
+constexpr double kBetter = 3e-4;       // by so much a place is farther from all bodies [m]
 constexpr double kOff = 1e-3;  // farther than it has to be, so that the next line begins clear [m]
 constexpr double kLongestStep = 0.02;  // of the reference, at most; a period may be longer [s]
 
 constexpr int kRing = 32;            // points round a body
 constexpr int kRingMoves = 12;       // of each, towards the body
 constexpr double kRingOff = 2.5e-3;  // a line between two of them is this much nearer at most [m]
-constexpr double kFar = 0.5;         // from where they are moved there [m]
-constexpr int kMost = scene::kMaxBodies * kRing + 2;
+constexpr double kSeenFrom = 0.5;    // from where they are moved there [m]
+constexpr int kMostCorners = scene::kMaxBodies * kRing + 2;
 
 /// Points of a way: its ends, and rings round the bodies.
 struct Points {
-  std::array<Eigen::Vector3d, kMost> at;
+  std::array<Eigen::Vector3d, kMostCorners> at;
   int count = 0;
   void add(const Eigen::Vector3d& point) noexcept { at[static_cast<std::size_t>(count++)] = point; }
 };
@@ -40,7 +40,7 @@ void add_ring(const scene::Scene& scene, int body, double height,
   for (int i = 0; i < kRing; ++i) {
     const double angle = 2.0 * M_PI * i / kRing;
     const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0.0);
-    double far = extent(of, out) + kFar;
+    double far = extent(of, out) + kSeenFrom;
     for (int move = 0; move < kRingMoves; ++move) {
       effector.p_WE = middle + far * out;
       far -= scene::gap(effector, of).distance - parameters.clear - kRingOff;
@@ -96,9 +96,9 @@ Leg next_leg_beside(const scene::Scene& scene, const Eigen::Vector3d& from,
   points.add(from);
   for (int i = 0; i < scene.body_count; ++i) add_ring(scene, i, goal.z(), parameters, points);
   // Dijkstra's method from the goal back to here, so that the first leg is known at the end
-  std::array<double, kMost> left;
-  std::array<std::size_t, kMost> next{};
-  std::array<bool, kMost> done{};
+  std::array<double, kMostCorners> left;
+  std::array<std::size_t, kMostCorners> next{};
+  std::array<bool, kMostCorners> done{};
   left.fill(std::numeric_limits<double>::infinity());
   left[0] = 0.0;
   const auto count = static_cast<std::size_t>(points.count);
@@ -161,7 +161,7 @@ void FreeMotion::advance(double period, const scene::Scene& scene, const Eigen::
   }
   const Eigen::Vector3d way = leg.corner - reference_;
   const double to_go = way.norm(), step = parameters_.acceleration * period;
-  const double stopping = std::sqrt(2.0 * kBraking * parameters_.acceleration * leg.left);
+  const double stopping = std::sqrt(2.0 * kBrakingShare * parameters_.acceleration * leg.left);
   const double speed = std::min({parameters_.speed, velocity_.norm() + step, stopping});
   if (to_go <= speed * period || to_go < 1e-6) {
     reference_ = leg.corner;
