@@ -21,9 +21,9 @@ void require(bool holds, const char* promise) {
 void look(const std::string& text, const std::string& file) try {
   mesh::Triangles triangles = mesh::parse(text, file);
   for (const Eigen::Vector3i& corners : triangles.triangles)
-    require(corners.minCoeff() >= 0 &&
-                corners.maxCoeff() < static_cast<int>(triangles.points.size()),
-            "every corner is a point");
+    require(
+        corners.minCoeff() >= 0 && corners.maxCoeff() < static_cast<int>(triangles.points.size()),
+        "every corner is a point");
   for (const Eigen::Vector3d& point : triangles.points)
     require(point.allFinite(), "every point is finite");
   if (triangles.triangles.size() > 200) return;

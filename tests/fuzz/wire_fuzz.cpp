@@ -176,14 +176,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::istringstream lines(std::string(reinterpret_cast<const char*>(data), size));
   std::string name;
   std::getline(lines, name);
-#define C3RT_TOPIC(Type, ...)                                  \
-  if (name == #Type) {                                         \
-    auto sample = wire::test::plain<wire::Type>();             \
-    sample.header.seq = 1;                                     \
-    look(sample, lines);                                       \
-  } else if (name == #Type " in use") {                        \
-    auto sample = wire::test::numbered<wire::Type>();          \
-    look(sample, lines);                                       \
+#define C3RT_TOPIC(Type, ...)                         \
+  if (name == #Type) {                                \
+    auto sample = wire::test::plain<wire::Type>();    \
+    sample.header.seq = 1;                            \
+    look(sample, lines);                              \
+  } else if (name == #Type " in use") {               \
+    auto sample = wire::test::numbered<wire::Type>(); \
+    look(sample, lines);                              \
   }
   C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
