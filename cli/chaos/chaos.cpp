@@ -31,8 +31,9 @@
 namespace c3rt::cli::chaos {
 namespace {
 
-constexpr double kPass = 300.0;           // of simulated time [s]
+constexpr double kPass = 120.0;           // of simulated time [s]
 constexpr double kTail = 5.0;             // after the last fault of a pass [s]
+constexpr double kSettled = 1.0;          // after a jump of clocks [s]
 constexpr double kLookAtProcesses = 5.0;  // [s]
 constexpr double kComesUp = 60.0;         // until the four must run [s]
 constexpr int kCyclesPerLook = 200;
@@ -146,7 +147,11 @@ class Chaos {
     if (active_ || time < next_.begin || next_.end() + kTail > length_) return nullptr;
     last_ = active_ = next_;
     next_ = schedule_->next();
-    ears_.with([&](soak::Watch&) { ears_.recovery.begin(*active_, now_ns); });
+    ears_.with([&](soak::Watch& watch) {
+      ears_.recovery.begin(*active_, now_ns);
+      if (active_->kind->act == Act::kShiftClock)
+        watch.samples->excuse_time(now_ns + base::nanoseconds(active_->duration + kSettled));
+    });
     world.begin(*active_, now_ns);
     return &*last_;
   }

@@ -68,6 +68,8 @@ class Samples {
   void end_task();
   /// Something was done up to `until_ns` that may stop the robot.
   void excuse(std::int64_t until_ns) { excused_until_ns_ = std::max(excused_until_ns_, until_ns); }
+  /// Stamps were made to jump up to `until_ns`: till then times may go back.
+  void excuse_time(std::int64_t until_ns) { jumps_until_ns_ = std::max(jumps_until_ns_, until_ns); }
   /// A process was killed and is started again: from its successor's first sample on its streams
   /// count from 1, and what went before is forgotten.
   void restarted(wire::Process process);
@@ -119,6 +121,7 @@ class Samples {
   std::int64_t obeyed_at_ns_ = 0;  // since when
   std::uint64_t obeyed_at_ = 0;    // and since which state
   std::int64_t excused_until_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t jumps_until_ns_ = std::numeric_limits<std::int64_t>::min();
   Course course_;
   std::optional<std::int64_t> task_start_;  // [ns]
   std::int64_t task_not_before_ns_ = 0;

@@ -147,15 +147,18 @@ Output Controller::step(const Input& input) noexcept {
   if (mode_ != Mode::kWait) {
     const bool state_usable = fault_ != StateFault::kNotFinite && !old_state_;
     Vector7d wanted = Vector7d::Zero();
-    if (state_usable && !new_state_ && mode_ != Mode::kStop) {
+    if (state_usable && late_ && mode_ != Mode::kStop) {
+      arm_.update(input.q, input.dq, state_);
+      rest_here();
+      brakes_ = catches_up_ = true;
+      wanted = damping(input);
+    } else if (state_usable && !new_state_ && mode_ != Mode::kStop) {
       wanted = tau_;  // a law whose arm seems to stand still pulls it the harder
     } else if (state_usable) {
       arm_.update(input.q, input.dq, state_);
       if (mode_ == Mode::kStop) rest_here();
       // an old velocity damps nothing, so without a usable state the torque fades out instead
-      wanted = mode_ == Mode::kStop
-                   ? Vector7d(-parameters_.limits.stop_damping * (state_.M * input.dq))
-                   : law_torque(input);
+      wanted = mode_ == Mode::kStop ? damping(input) : law_torque(input);
     }
     if (!wanted.allFinite()) {
       wanted.setZero();
@@ -188,6 +191,8 @@ void Controller::meet_new_robot(std::uint64_t session_id) noexcept {
   judged_plan_ns_ = 0;
   stale_cycles_ = 0;
   previous_now_ns_ = 0;
+  loop_age_ = 1.0;
+  late_ = false;
   away_ = false;
   tau_.setZero();
 }
@@ -200,6 +205,7 @@ void Controller::change_mode(const Input& input) noexcept {
     if (plan_verdict_ == PlanVerdict::kInvalid) ++counters_.plans_invalid;
   }
   fault_ = judge_state(input, parameters_.limits);
+  watch_loop(input);
   stale_cycles_ = fault_ == StateFault::kStale ? stale_cycles_ + 1 : 0;
   const double longest = kPatience * parameters_.period;
   new_state_ = seconds_between(input.state_stamp_ns, input.now_ns) <= kNew * parameters_.period;
@@ -231,7 +237,7 @@ void Controller::change_mode(const Input& input) noexcept {
   }
 
   const bool moving = mode_ == Mode::kHold || mode_ == Mode::kTrack;
-  steady_cycles_ = moving && input.robot_moves ? steady_cycles_ + 1 : 0;
+  steady_cycles_ = moving && input.robot_moves && !late_ ? steady_cycles_ + 1 : 0;
   if (!moving || old_state_) return;
   // a robot that was not under our control is wherever it is: start from there
   const bool anew = before == Mode::kWait || before == Mode::kStop || away_ || !input.robot_moves ||
@@ -242,6 +248,23 @@ void Controller::change_mode(const Input& input) noexcept {
   }
   if (anew) rest_here();
   away_ = false;
+}
+
+void Controller::watch_loop(const Input& input) noexcept {
+  double age = 1.0;  // cycles; of a loop that is not closed nothing is late
+  if (input.robot_moves && input.answered_ns != 0) {
+    const double answer = seconds_between(input.answered_ns, input.state_stamp_ns);
+    const double state = seconds_between(input.state_stamp_ns, input.now_ns);
+    age = std::clamp(std::max(answer, state) / parameters_.period, 0.0, 1.0 * kPatience);
+  }
+  loop_age_ += (age - loop_age_) / kLoopMemory;
+  const bool late = loop_age_ > (late_ ? kLoopIsWell : kLateLoop);
+  if (late && !late_) ++counters_.late_loops;
+  late_ = late;
+}
+
+Vector7d Controller::damping(const Input& input) const noexcept {
+  return -parameters_.limits.stop_damping * (state_.M * input.dq);
 }
 
 bool Controller::stop_ends_alone() const noexcept {

@@ -38,6 +38,7 @@ struct Input {
   bool has_state = false;
   std::uint64_t session_id = 0;  // of the robot state
   std::int64_t state_stamp_ns = 0;
+  std::int64_t answered_ns = 0;  // the state that the robot's newest command answered; 0: none yet
   Vector7d q = Vector7d::Zero();
   Vector7d dq = Vector7d::Zero();
   bool robot_moves = false;  // takes commands: no reflex, not stopped by its user
@@ -56,6 +57,12 @@ struct Input {
 /// are not. Then nothing is sent until states come again, so that the robot stops the arm by
 /// itself.
 constexpr int kPatience = 20;
+
+/// How old, in cycles and on average over as many as kLoopMemory, the newest command may be that
+/// the robot has got: what it answers, and the state that tells of it. A loop with more delay than
+/// that feeds the arm's motion instead of damping it. One that is late brakes the arm, by a damping
+/// that bears such delays, until it is well again. 19 lost commands alone do not make it late.
+constexpr double kLateLoop = 3.5, kLoopIsWell = 2.5, kLoopMemory = 100.0;
 
 /// Good robot states in a row after which a controller that recovers alone goes on.
 constexpr int kGoodStates = 200;
@@ -89,7 +96,8 @@ struct Counters {
   std::uint64_t plan_clamps = 0;       // it asked for more than the arm gives: speed, lead or force
   std::uint64_t torque_clamps = 0;
   std::uint64_t torque_rate_clamps = 0;
-  std::uint64_t stops = 0;  // times that the arm was stopped
+  std::uint64_t late_loops = 0;  // times that commands or states came too late to act on
+  std::uint64_t stops = 0;       // times that the arm was stopped
 };
 
 struct Output {
@@ -139,12 +147,14 @@ class Controller {
  private:
   void meet_new_robot(std::uint64_t session_id) noexcept;
   void change_mode(const Input& input) noexcept;
+  void watch_loop(const Input& input) noexcept;
   void rest_here() noexcept;
   bool stop_ends_alone() const noexcept;
   bool recovers(bool asked) noexcept;
   Goal target(const Input& input) noexcept;
   void move_reference(const Input& input) noexcept;
   bool stands(const Input& input) const noexcept;
+  Vector7d damping(const Input& input) const noexcept;
   Vector7d law_torque(const Input& input) noexcept;
   Vector7d limited(const Vector7d& wanted) noexcept;
 
@@ -160,6 +170,8 @@ class Controller {
   std::int64_t previous_now_ns_ = 0;
   bool new_state_ = false;  // of this cycle or the one before
   bool old_state_ = false;  // older than the law may act on
+  double loop_age_ = 1.0;   // average [cycles]
+  bool late_ = false;       // the loop
   bool away_ = false;       // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted

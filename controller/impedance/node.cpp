@@ -21,6 +21,7 @@ const Node::Output& Node::step(std::int64_t now_ns, const Input& in) noexcept {
     robot_ = in.state->robot;
     input_.has_state = true;
     wire::read_robot_state(*in.state, input_);
+    input_.answered_ns = in.state->command_state_ns;
   }
   if (in.plan != nullptr) {
     plan_origin_ = in.plan->origin;

@@ -70,6 +70,7 @@ Service::Service(Servo& servo, wire::Endpoint& endpoint)
       plan_clamps_(endpoint.status().counter("plan_clamps")),
       torque_clamps_(endpoint.status().counter("torque_clamps")),
       torque_rate_clamps_(endpoint.status().counter("torque_rate_clamps")),
+      late_loops_(endpoint.status().counter("late_loops")),
       stops_(endpoint.status().counter("stops")),
       states_lost_(endpoint.status().counter("states_lost")),
       plans_lost_(endpoint.status().counter("plans_lost")),
@@ -128,6 +129,7 @@ void Service::update_counters() {
   plan_clamps_ = counters.plan_clamps;
   torque_clamps_ = counters.torque_clamps;
   torque_rate_clamps_ = counters.torque_rate_clamps;
+  late_loops_ = counters.late_loops;
   stops_ = counters.stops;
   states_lost_ = servo_.states_lost();
   plans_lost_ = servo_.plans_lost();

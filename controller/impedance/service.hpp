@@ -39,7 +39,7 @@ class Service {
 
   std::atomic<std::uint64_t>&missed_cycles_, &stale_plan_events_, &plans_other_session_,
       &plans_invalid_, &workspace_clamps_, &plan_clamps_, &torque_clamps_, &torque_rate_clamps_,
-      &stops_, &states_lost_, &plans_lost_, &commands_failed_, &state_to_command_p50_,
+      &late_loops_, &stops_, &states_lost_, &plans_lost_, &commands_failed_, &state_to_command_p50_,
       &state_to_command_p95_, &state_to_command_p99_;
 };
 

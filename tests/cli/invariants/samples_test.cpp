@@ -256,6 +256,19 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("samples: a time that goes back is seen, but while clocks are made to jump") {
+  const bool excused = GENERATE(true, false);
+  Run run;
+  run.cycles(10);
+  if (excused) run.samples.excuse_time(11 * kMs);
+  wire::ObjectEstimate estimate{};
+  estimate.header = {7, 1, 11 * kMs};
+  run.samples.hear(estimate);
+  estimate.header = {7, 2, 10 * kMs};
+  run.samples.hear(estimate);
+  CHECK(run.of("time") == (excused ? 0u : 1u));
+}
+
 TEST_CASE("samples: a reflex without a cause is seen, with its errors' names") {
   Run run;
   run.cycles(10);

@@ -1,6 +1,8 @@
 #include "controller/impedance/controller.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -96,10 +98,14 @@ struct Loop {
   Output step(Input input) {
     input.q = q;
     input.dq = dq;
+    if (delay >= 0) input.answered_ns = input.now_ns - (delay + 1) * kMs;
     const Output output = controller.step(input);
+    on_their_way.push_back(output.tau);
+    while (static_cast<int>(on_their_way.size()) > std::max(delay, 0) + 1) on_their_way.pop_front();
     for (int i = 0; i < 4; ++i) {
       plant.update(q, dq, state);
-      dq += 0.25e-3 * Vector7d(state.M.llt().solve(output.tau + external - state.coriolis));
+      dq +=
+          0.25e-3 * Vector7d(state.M.llt().solve(on_their_way.front() + external - state.coriolis));
       q += 0.25e-3 * dq;
     }
     plant.update(q, dq, state);
@@ -109,6 +115,8 @@ struct Loop {
   model::Arm plant;
   ArmState state;
   Vector7d q, dq = Vector7d::Zero(), external = Vector7d::Zero();
+  int delay = -1;  // of torques [cycles]; negative: none, and the robot does not tell
+  std::deque<Vector7d> on_their_way;
 };
 
 TEST_CASE("mode: every mode and every health has the successor that the rules say") {
@@ -545,6 +553,53 @@ TEST_CASE(
   const Output output = controller.step(back);
   CHECK(output.mode == Mode::kHold);
   CHECK((output.p_WE_desired - controller.arm().X_WE.translation()).norm() < 1e-12);
+}
+
+TEST_CASE(
+    "controller: an arm that gets its torques late is braked, and goes on when they are in time") {
+  const int delay = GENERATE(4, 5, 8, 17, 40);
+  CAPTURE(delay);
+  const Parameters p = parameters();
+  Loop loop(p);
+  std::int64_t now = 0;
+  double fastest = 0.0;
+  const auto run = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      now += kMs;
+      // to and fro by 4 cm, at 0.13 m/s at most
+      const double angle = 2e-9 * M_PI * 0.5 * static_cast<double>(now);
+      loop.step(with_plan(now, kStart + Vector3d(0.04 * std::sin(angle), 0, 0)));
+      fastest = std::max(fastest, (loop.dq.array().abs() / p.limits.dq_max.array()).maxCoeff());
+    }
+  };
+  loop.delay = 0;
+  run(1000);
+  CHECK(fastest < 0.3);
+  loop.delay = delay;
+  run(2000);
+  CHECK(fastest < 0.5);
+  CHECK(loop.dq.cwiseAbs().maxCoeff() < 0.02);
+  loop.delay = 0;
+  run(1000);
+  CHECK(fastest < 0.5);
+  const double angle = 2e-9 * M_PI * 0.5 * static_cast<double>(now);
+  CHECK((loop.state.X_WE.translation() - kStart - Vector3d(0.04 * std::sin(angle), 0, 0)).norm() <
+        0.015);
+}
+
+TEST_CASE("controller: nineteen commands that are lost now and then do not make the loop late") {
+  Loop loop(parameters());
+  std::int64_t now = 0;
+  Output output{};
+  for (int i = 0; i < 3000; ++i) {
+    now += kMs;
+    // the robot goes on with the command that it has
+    Input input = with_plan(now);
+    const int since = i % 500;
+    input.answered_ns = now - (since < 19 ? since + 2 : 1) * kMs;
+    output = loop.step(input);
+  }
+  CHECK(output.counters.late_loops == 0);
 }
 
 TEST_CASE("controller: a robot of a new session is met from scratch") {
