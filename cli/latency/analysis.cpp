@@ -17,6 +17,8 @@ constexpr double kGoodAverage = 0.95, kPoorAverage = 0.90, kLeast = 0.80;
 constexpr std::int64_t kWindow_ns = 100'000'000;  // of 100 commands
 // what c3rt promises of itself
 constexpr double kWakeupRatio = 1.2, kCompute_s = 100e-6, kMissedShare = 1e-4;
+// over two hops of DDS alone and the computation between them
+constexpr double kAnswerP50Ratio = 1.5, kAnswerP99Ratio = 2.0;
 // a reference that is later in a thousandth of its cycles leaves the servo half of its own
 constexpr double kLateReference_s = 1e-9 * static_cast<double>(kStall_ns);
 
@@ -173,7 +175,13 @@ Judgement judge(const Measured& m) {
   result.program = {
       at_most("wakeup_p99_over_reference", m.wakeup.p99 / m.reference.p99, kWakeupRatio),
       at_most("servo_compute_p99_s", m.servo_compute.p99, kCompute_s),
-      at_most("missed_cycles_outside_stalls", m.missed.share_outside(), kMissedShare)};
+      at_most("missed_cycles_outside_stalls", m.missed.share_outside(), kMissedShare),
+      at_most("state_to_command_p50_over_hops",
+              m.state_to_command.p50 / (2.0 * m.hop_raw.p50 + m.servo_compute.p50),
+              kAnswerP50Ratio),
+      at_most("state_to_command_p99_over_hops",
+              m.state_to_command.p99 / (2.0 * m.hop_raw.p99 + m.servo_compute.p99),
+              kAnswerP99Ratio)};
   result.good = std::all_of(result.robot.begin(), result.robot.end(),
                             [](const CriterionResult& criterion) { return criterion.met; });
   result.sentence = sentence(m, result.good);

@@ -69,6 +69,8 @@ MissedCycles missed_cycles(const Series& series, const std::vector<Stall>& stall
 struct Measured {
   Distribution wakeup, reference;  // of the machine alone
   Distribution servo_compute;
+  Distribution hop_raw;           // of Cyclone DDS alone, one way
+  Distribution state_to_command;  // from the state's stamp to the command's
   SuccessRate success;
   MissedCycles missed;
   std::vector<Stall> stalls;  // during the run of the processes

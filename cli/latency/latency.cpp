@@ -155,6 +155,7 @@ class Measurement {
         row("hop", kDdsStage, "state there, command back, as the servo", std::move(record.layer)));
     report_.rows.push_back(
         row("hop_raw", kDdsStage, "the same by DDS alone", std::move(record.raw)));
+    report_.measured.hop_raw = report_.rows.back().times;
   }
 
   void processes() {
@@ -193,6 +194,7 @@ class Measurement {
     const Latencies times = cli::latencies(series);
     report_.rows.push_back(row("state_to_command", kProcessStage, "state to command",
                                {times.state_to_command.begin(), times.state_to_command.end()}));
+    measured.state_to_command = report_.rows.back().times;
     report_.rows.push_back(row("exposure_to_plan", kProcessStage, "exposure to plan",
                                {times.exposure_to_plan.begin(), times.exposure_to_plan.end()}));
     report_.rows.push_back(row("exposure_to_torque", kProcessStage, "exposure to torque",

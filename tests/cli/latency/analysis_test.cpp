@@ -38,7 +38,12 @@ Measured quiet() {
   m.wakeup.p99 = 55e-6;
   m.reference.p99 = 50e-6;
   m.reference.p999 = 90e-6;
+  m.servo_compute.p50 = 30e-6;
   m.servo_compute.p99 = 40e-6;
+  m.hop_raw.p50 = 60e-6;
+  m.hop_raw.p99 = 100e-6;
+  m.state_to_command.p50 = 210e-6;
+  m.state_to_command.p99 = 430e-6;
   m.success = {40'000, 0.999, 0.97, 0};
   m.missed = {40'000, 3, 0, {}};
   return m;
@@ -138,7 +143,9 @@ TEST_CASE("latency: a quiet machine is good for 1 kHz, and meets what c3rt promi
   CHECK_THAT(judgement.sentence, Contains("good for 1 kHz: of the last 100 commands 99.9"));
   CHECK(met(judgement.program, "wakeup_p99_over_reference"));  // 1.1
   CHECK(met(judgement.program, "servo_compute_p99_s"));
-  CHECK(met(judgement.program, "missed_cycles_outside_stalls"));  // 0.75 of 10,000
+  CHECK(met(judgement.program, "missed_cycles_outside_stalls"));    // 0.75 of 10,000
+  CHECK(met(judgement.program, "state_to_command_p50_over_hops"));  // 1.4
+  CHECK(met(judgement.program, "state_to_command_p99_over_hops"));  // 1.79
 }
 
 TEST_CASE(
@@ -169,11 +176,15 @@ TEST_CASE("latency: a promise that is not kept is told, and does not make the ma
   m.wakeup.p99 = 61e-6;
   m.servo_compute.p99 = 101e-6;
   m.missed = {40'000, 25, 20, {}};
+  m.state_to_command.p50 = 226e-6;
+  m.state_to_command.p99 = 603e-6;
   const Judgement judgement = judge(m);
   CHECK(judgement.good);
   CHECK_FALSE(met(judgement.program, "wakeup_p99_over_reference"));  // 1.22
   CHECK_FALSE(met(judgement.program, "servo_compute_p99_s"));
-  CHECK_FALSE(met(judgement.program, "missed_cycles_outside_stalls"));  // 1.25 of 10,000
+  CHECK_FALSE(met(judgement.program, "missed_cycles_outside_stalls"));    // 1.25 of 10,000
+  CHECK_FALSE(met(judgement.program, "state_to_command_p50_over_hops"));  // 1.51
+  CHECK_FALSE(met(judgement.program, "state_to_command_p99_over_hops"));  // 2.001
   REQUIRE(judgement.causes.size() == 1);
   CHECK_THAT(judgement.causes[0], Contains("5 of 40000 cycles"));
 }
