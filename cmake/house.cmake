@@ -97,7 +97,7 @@ function(c3rt_join_sources)
 endfunction()
 
 # an installed program finds the installed libraries, wherever the prefix is
-set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/c3rt")
 
 # c3rt_process(NAME main.cpp [DEPS target...]): the executable c3rt-NAME, installed
 function(c3rt_process name source)

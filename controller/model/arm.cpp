@@ -101,7 +101,14 @@ void Arm::update(const Vector7d& q, const Vector7d& dq, ArmState& out) noexcept 
 std::string urdf_path(const std::string& named) {
   const char* chosen = std::getenv("C3RT_PANDA_URDF");
   if (chosen != nullptr && *chosen != '\0') return chosen;
-  return (std::filesystem::path(C3RT_ROBOT_MODELS) / named).string();
+  // beside the program where that is installed, and only then where the build had it
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed =
+      (program.parent_path() / "../share/c3rt/models" / named).lexically_normal();
+  if (!error && fs::exists(installed, error)) return installed.string();
+  return (fs::path(C3RT_ROBOT_MODELS) / named).string();
 }
 
 }  // namespace c3rt::model

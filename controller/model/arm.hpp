@@ -70,7 +70,7 @@ class Arm {
 };
 
 /// The URDF of a robot's description: the environment's C3RT_PANDA_URDF, else `named` where it is
-/// absolute, else where ./c3rt setup put it.
+/// absolute, else share/c3rt/models beside an installed program, else where ./c3rt setup put it.
 std::string urdf_path(const std::string& named);
 
 }  // namespace c3rt::model
