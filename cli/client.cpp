@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/keys/keystore.hpp"
 #include "cli/lock.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
@@ -152,6 +153,7 @@ wire::BusSettings bus_settings(const Seat& seat) {
   bus.profile_uri = instance && !instance->profile.empty()
                         ? instance->profile
                         : dds_profile_path(seat.dds_profile).string();
+  keys::require_keys(bus.profile_uri, {"client"});
   if (instance) {
     bus.clock =
         instance->clock == "lockstep" ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "cli/keys/keystore.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "idl/process.hpp"
@@ -21,6 +22,7 @@ wire::BusSettings bus_settings(const LaunchSettings& settings) {
   wire::BusSettings bus;
   bus.domain = settings.domain;
   bus.profile_uri = dds_profile_path(settings.dds_profile).string();
+  if (!settings.in_process) keys::require_keys(bus.profile_uri, keys::identity_names());
   bus.clock = settings.lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
   bus.session_id = wire::draw_session();
   return bus;

@@ -52,7 +52,8 @@ struct LaunchOptions {
         ->check(whole_or(0, 230, "any"))
         ->capture_default_str();
     command
-        .add_option("--dds", settings.dds_profile, "DDS profile: a name of config/dds or a path")
+        .add_option("--profile,--dds", settings.dds_profile,
+                    "DDS profile: a name of config/dds or a path")
         ->capture_default_str();
   }
 

@@ -24,6 +24,7 @@
 #include "cli/doctor/options.hpp"
 #include "cli/examples.hpp"
 #include "cli/inspect.hpp"
+#include "cli/keys/options.hpp"
 #include "cli/latency/options.hpp"
 #include "cli/launch_options.hpp"
 #include "cli/look.hpp"
@@ -61,7 +62,9 @@ void add_seat(CLI::App& command, cli::Seat& seat) {
   command.add_option("--domain", seat.domain, "DDS domain")
       ->check(cli::whole(0, 230))
       ->capture_default_str();
-  command.add_option("--dds", seat.dds_profile, "DDS profile, where no instance of yours tells it")
+  command
+      .add_option("--profile,--dds", seat.dds_profile,
+                  "DDS profile, where no instance of yours tells it")
       ->capture_default_str();
 }
 
@@ -91,6 +94,7 @@ class CommandLine {
     app_.set_version_flag("--version", "c3rt " C3RT_VERSION);
     add_running();
     add_machine();
+    add_keys();
     add_requests();
     add_faults();
     add_targets();
@@ -163,6 +167,19 @@ class CommandLine {
                  "What this machine can hold: wake-up, DDS, servo, image to torque",
                  [this] { return cli::latency::run(latency_); }),
         latency_);
+  }
+
+  void add_keys() {
+    CLI::App& parent = *group(app_, "keys", "Keys of a secure bus, for --profile secure");
+    parent.require_subcommand(1);
+    cli::keys::add_init_options(
+        *command(parent, "init", "Makes an authority, and keys and rights for each process",
+                 [this] { return cli::keys::init(keys_); }),
+        keys_);
+    cli::keys::add_check_options(
+        *command(parent, "check", "Says whether they are good, until when, and what is wrong",
+                 [this] { return cli::keys::check(keys_); }),
+        keys_);
   }
 
   void add_soak() {
@@ -584,6 +601,7 @@ class CommandLine {
   cli::Seat seat_;
   cli::doctor::Settings doctor_;
   cli::latency::Settings latency_;
+  cli::keys::Settings keys_;
   cli::LookSettings look_;
   bool peers_ = false;
   std::string process_;

@@ -26,8 +26,8 @@ std::vector<std::string> scenario_names();
 /// A scenario's file from its name or its path. @throws UsageError that lists the known names
 std::filesystem::path scenario_path(const std::string& scenario);
 
-/// A DDS profile's file from its name (loopback, lan) or its path. @throws UsageError that lists
-/// the known names
+/// A DDS profile's file from its name (loopback, lan, secure) or its path. @throws UsageError that
+/// lists the known names
 std::filesystem::path dds_profile_path(const std::string& profile);
 
 /// Holds the locks of this user: XDG_RUNTIME_DIR/c3rt, else c3rt-UID in the folder for temporary

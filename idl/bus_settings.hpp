@@ -5,10 +5,11 @@
 
 namespace c3rt::wire {
 
-inline BusSettings bus_settings(const config::ProcessOptions& options) {
+inline BusSettings bus_settings(const config::ProcessOptions& options, Process process) {
   BusSettings settings;
   settings.domain = options.domain;
   settings.profile_uri = options.dds_profile;
+  settings.identity = process_name(process);
   settings.clock =
       options.clock == config::Clock::kLockstep ? ClockMode::kLockstep : ClockMode::kRealtime;
   settings.session_id = options.session;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
+#include <sstream>
 
 #include <dds/dds.h>
 #include <dds/ddsrt/log.h>
@@ -17,6 +19,7 @@
 #include "idl/one_writer.hpp"
 #include "idl/peers.hpp"
 #include "idl/qos.hpp"
+#include "idl/security.hpp"
 
 namespace c3rt::wire {
 
@@ -54,11 +57,18 @@ class Complaints {
   std::vector<std::string> texts_;
 };
 
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
 /// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on
 /// it.
 class Domain {
  public:
-  Domain(std::uint32_t id, const std::string& profile) : id_(id), configured_(!profile.empty()) {
+  Domain(std::uint32_t id, const std::string& profile, const std::string& identity)
+      : id_(id), configured_(!profile.empty()) {
     if (!configured_) return;
     const std::lock_guard lock(mutex());
     Shared& shared = domains()[id_];
@@ -72,8 +82,12 @@ class Domain {
                            std::to_string(kLargestProfile) + " bytes, got " +
                            (error ? error.message() : std::to_string(size)));
       }
+      const std::string text = text_of(path);
+      shared.secure = is_secure(text);
+      const std::string configuration =
+          shared.secure ? with_keys(text, keys_directory(), identity) : "file://" + path.string();
       const Complaints complaints;
-      shared.handle = dds_create_domain(id_, ("file://" + path.string()).c_str());
+      shared.handle = dds_create_domain(id_, configuration.c_str());
       // somebody else in this process may already use the domain, with a configuration of its own
       if (shared.handle < 0 && shared.handle != DDS_RETCODE_PRECONDITION_NOT_MET) {
         std::string reason = complaints.first();
@@ -88,6 +102,13 @@ class Domain {
                            reason);
       }
     }
+    // Cyclone has one configuration for a domain in a process
+    if (shared.users == 0) shared.identity = identity;
+    if (shared.secure && shared.identity != identity) {
+      throw WireError("domain " + std::to_string(id_) +
+                      ": this process joined it with the keys of " + shared.identity +
+                      ", and cannot join it with those of " + identity + " too");
+    }
     ++shared.users;
   }
   ~Domain() {
@@ -98,12 +119,18 @@ class Domain {
     if (shared.handle > 0) dds_delete(shared.handle);
     domains().erase(id_);
   }
+  bool secure() const {
+    const std::lock_guard lock(mutex());
+    return configured_ && domains()[id_].secure;
+  }
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
  private:
   struct Shared {
     dds_entity_t handle = 0;
+    bool secure = false;
+    std::string identity;
     int users = 0;
   };
   static std::mutex& mutex() {
@@ -209,11 +236,23 @@ struct Bus::Implementation {
       identity = s.exchange->identity();
       return;
     }
-    domain.emplace(s.domain, s.profile_uri);
-    participant = created(dds_create_participant(s.domain, nullptr, nullptr),
-                          "a participant in DDS domain " + std::to_string(s.domain));
+    domain.emplace(s.domain, s.profile_uri, s.identity);
+    join();
     waiter.emplace(participant.handle(), "the bus");
     peers.emplace(participant.handle());
+  }
+
+  void join() {
+    std::optional<Complaints> complaints;
+    if (domain->secure()) complaints.emplace();
+    const dds_entity_t handle = dds_create_participant(settings.domain, nullptr, nullptr);
+    if (handle < 0 && complaints) {
+      throw ProfileError("DDS profile " + settings.profile_uri + ": the keys of " +
+                         settings.identity + " in " + keys_directory().string() +
+                         " were refused: " + complaints->first() +
+                         "; c3rt keys check says what is wrong with them");
+    }
+    participant = created(handle, "a participant in DDS domain " + std::to_string(settings.domain));
   }
 
   void add(const Endpoint& endpoint) {

@@ -23,8 +23,8 @@ class WireError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The DDS profile is wrong, or has no room for another participant: a mistake in the
-/// configuration.
+/// The DDS profile is wrong, has no room for another participant, or wants keys that are missing or
+/// refused: a mistake in the configuration.
 class ProfileError : public WireError {
  public:
   using WireError::WireError;
@@ -41,6 +41,9 @@ struct BusSettings {
   std::uint32_t domain = 0;
   std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's
                             // CYCLONEDDS_URI
+  /// Whose keys this bus shows where the profile is secure (security.hpp): "planner"; of every
+  /// command and program that is no process, "client".
+  std::string identity = "client";
   ClockMode clock = ClockMode::kRealtime;
   std::uint64_t session_id = 0;  // 0: adopt the plant's
   /// This process has the clock that the samples' times are of. A client on another host has not,

@@ -8,6 +8,9 @@
 
 namespace c3rt::wire {
 
+/// Both topics, as permissions of a secure bus name them.
+constexpr const char* kPingTopics = "latency/*";
+
 /// Answers each sample of RawPing on another process's bus, from DDS's own thread.
 class RawEcho {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 // Every topic in one table. A new topic is a struct in c3rt.idl and a line here (and its ranges in
 // validate.cpp, where it has some): its type, what readers and writers do with it, echo, hz,
-// topics, recorder and the tests follow from them.
+// topics, recorder, the permissions of a secure bus and the tests follow from them.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -41,12 +41,27 @@ enum class Trait {
   kAnswered,   // a request: what is refused is kept, so that it can be answered
 };
 
+/// Who takes part, each under an identity of its own where the bus is secure; a set of them.
+using Parties = unsigned;
+namespace party {
+constexpr Parties of(Process process) { return 1U << process; }
+constexpr Parties kPlant = of(c3rt_v2_PROCESS_PLANT);
+constexpr Parties kImpedance = of(c3rt_v2_PROCESS_IMPEDANCE);
+constexpr Parties kPlanner = of(c3rt_v2_PROCESS_PLANNER);
+constexpr Parties kVision = of(c3rt_v2_PROCESS_VISION);
+// commands of a person, the recorder, programs of others
+constexpr Parties kClients = of(c3rt_v2_PROCESS_RECORDER);
+constexpr Parties kProcesses = kPlant | kImpedance | kPlanner | kVision;
+constexpr Parties kAll = kProcesses | kClients;
+}  // namespace party
+
 constexpr int kNoStream = -1;
 
 struct Topic {
   const char* name;
   const dds_topic_descriptor_t* descriptor;
   Qos qos;
+  Parties writers, readers;
   /// The one process that writes it, where there must be only one: what moves the robot and what
   /// that is made from. A reader obeys one writer (one_writer.hpp), in the plant's session alone;
   /// others are refused and named.
@@ -58,33 +73,23 @@ struct Topic {
   int stream = kNoStream;
 };
 
-namespace table {
-
-constexpr std::nullopt_t kMany = std::nullopt;  // clients, or every process
-constexpr Process kPlant = c3rt_v2_PROCESS_PLANT;
-constexpr Process kImpedance = c3rt_v2_PROCESS_IMPEDANCE;
-constexpr Process kPlanner = c3rt_v2_PROCESS_PLANNER;
-constexpr Process kVision = c3rt_v2_PROCESS_VISION;
-
-}  // namespace table
-
 // clang-format off
-//      type,                name               quality  writer      deadline  trait          // readers and rate
-#define C3RT_TOPICS(TOPIC)                                                                                              \
-  TOPIC(Scene,           "sim/scene",        kStream, kPlant,     0.0,      kNone)      /* vision; >= 100 Hz */       \
-  TOPIC(RobotState,      "robot/state",      kStream, kPlant,     0.02,     kNone)      /* all; 1 kHz */              \
-  TOPIC(RobotCommand,    "robot/command",    kStream, kImpedance, 0.02,     kNone)      /* plant; 1 kHz */            \
-  TOPIC(Plan,            "plan",             kPlan,   kPlanner,   0.0,      kNone)      /* impedance; fixed rate */   \
-  TOPIC(ObjectEstimate,  "object/estimate",  kStream, kVision,    0.1,      kNone)      /* planner; >= 80 Hz */       \
-  TOPIC(ObjectDetection, "object/detection", kStream, kVision,    0.0,      kNone)      /* clients; camera rate */    \
-  TOPIC(PlannerDebug,    "planner/debug",    kStream, kPlanner,   0.0,      kNone)      /* clients; as plan */        \
-  TOPIC(TaskTarget,      "task/target",      kEvent,  kMany,      0.0,      kAnswered)  /* planner; on change */      \
-  TOPIC(Tick,            "sim/tick",         kSync,   kPlant,     0.0,      kAddressed) /* all; lockstep */           \
-  TOPIC(Done,            "sim/done",         kSync,   kMany,      0.0,      kNone)      /* plant; lockstep */         \
-  TOPIC(ServiceStatus,   "service/status",   kStatus, kMany,      0.0,      kNone)      /* clients; 10 Hz */          \
-  TOPIC(ServiceRequest,  "service/request",  kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */          \
-  TOPIC(ServiceReply,    "service/reply",    kEvent,  kMany,      0.0,      kNone)      /* clients; on demand */      \
-  TOPIC(FaultInject,     "fault/inject",     kEvent,  kMany,      0.0,      kAnswered)  /* all; on demand */
+//      type,            name,               quality, writers,    readers,                      deadline, trait        // rate
+#define C3RT_TOPICS(TOPIC)                                                                                                                    \
+  TOPIC(Scene,           "sim/scene",        kStream, kPlant,     kVision | kClients,           0.0,      kNone)      /* at exposures, >= 100 Hz */\
+  TOPIC(RobotState,      "robot/state",      kStream, kPlant,     kAll,                         0.02,     kNone)      /* 1 kHz */             \
+  TOPIC(RobotCommand,    "robot/command",    kStream, kImpedance, kPlant | kPlanner | kClients, 0.02,     kNone)      /* 1 kHz */             \
+  TOPIC(Plan,            "plan",             kPlan,   kPlanner,   kImpedance | kClients,        0.0,      kNone)      /* fixed rate */        \
+  TOPIC(ObjectEstimate,  "object/estimate",  kStream, kVision,    kPlanner | kClients,          0.1,      kNone)      /* >= 80 Hz */          \
+  TOPIC(ObjectDetection, "object/detection", kStream, kVision,    kClients,                     0.0,      kNone)      /* camera rate */       \
+  TOPIC(PlannerDebug,    "planner/debug",    kStream, kPlanner,   kClients,                     0.0,      kNone)      /* as plan */           \
+  TOPIC(TaskTarget,      "task/target",      kEvent,  kClients,   kPlanner | kClients,          0.0,      kAnswered)  /* on change */         \
+  TOPIC(Tick,            "sim/tick",         kSync,   kPlant,     kAll,                         0.0,      kAddressed) /* lockstep */          \
+  TOPIC(Done,            "sim/done",         kSync,   kAll,       kPlant | kClients,            0.0,      kNone)      /* lockstep */          \
+  TOPIC(ServiceStatus,   "service/status",   kStatus, kProcesses, kClients,                     0.0,      kNone)      /* 10 Hz */             \
+  TOPIC(ServiceRequest,  "service/request",  kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */         \
+  TOPIC(ServiceReply,    "service/reply",    kEvent,  kAll,       kClients,                     0.0,      kNone)      /* on demand */         \
+  TOPIC(FaultInject,     "fault/inject",     kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */
 // clang-format on
 
 #define C3RT_TOPIC(Type, ...) using Type = c3rt_v2_##Type;
@@ -116,10 +121,21 @@ struct TypeAt;
 C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
 
+/// The process, if no other party writes.
+constexpr std::optional<Process> only_process(Parties writers) {
+  for (const Process process : {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE,
+                                c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION}) {
+    if (writers == party::of(process)) return process;
+  }
+  return std::nullopt;
+}
+
 constexpr std::array<Topic, kCount> make() {
+  using namespace party;
   std::array<Topic, kCount> topics = {{
-#define C3RT_TOPIC(Type, name, quality, writer, deadline, trait) \
-  Topic{name, &c3rt_v2_##Type##_desc, Qos::quality, writer, deadline, Trait::trait},
+#define C3RT_TOPIC(Type, name, quality, writers, readers, deadline, trait) \
+  Topic{name,    &c3rt_v2_##Type##_desc, Qos::quality, writers,            \
+        readers, only_process(writers),  deadline,     Trait::trait},
       C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
   }};

@@ -119,7 +119,7 @@ int run(int argc, char** argv) {
   const config::Scenario scenario =
       config::load_scenario(options->scenario_path, options->overrides);
   const bool lockstep = options->clock == config::Clock::kLockstep;
-  wire::BusSettings settings = wire::bus_settings(*options);
+  wire::BusSettings settings = wire::bus_settings(*options, c3rt_v2_PROCESS_PLANT);
   if (settings.session_id == 0) settings.session_id = wire::draw_session();
   wire::Bus bus(settings);
   wire::Endpoint endpoint(bus, c3rt_v2_PROCESS_PLANT, fault_scope(scenario.plant),

@@ -53,9 +53,10 @@ may(cli/mesh controller/scene)
 may(cli/invariants cli/report controller/base controller/task idl plant_emulator)
 may(cli/soak cli cli/report cli/invariants config idl controller/base controller/rt controller/task plant_emulator)
 may(cli/chaos cli cli/report cli/invariants cli/soak config idl controller/base controller/rt controller/task)
-may(cli/doctor cli config idl)
+may(cli/keys cli idl)
+may(cli/doctor cli cli/keys config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
+may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 
 # a room's loader reads its section of the scenario
@@ -83,9 +84,10 @@ set(impure_files "/load_[a-z_]+[.][ch]pp$|_main[.]cpp$|/service[.]|/servo[.]")
 set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco")
 
 # Third-party libraries have one owner each.
-set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/" "<apriltag/")
+set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/" "<apriltag/" "<openssl/")
 set(owners "^controller/model/arm[.]cpp" "^controller/qp/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
-    "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]" "^vision/apriltag[.]cpp")
+    "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]" "^vision/apriltag[.]cpp"
+    "^cli/keys/crypto[.]cpp")
 
 # The room of a path: its longest folder that has a row.
 function(room_of path out)

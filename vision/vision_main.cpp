@@ -53,7 +53,7 @@ int run(int argc, char** argv) {
   const config::Scenario scenario =
       config::load_scenario(options->scenario_path, options->overrides);
   const Parameters& parameters = scenario.vision;
-  wire::Bus bus(wire::bus_settings(*options));
+  wire::Bus bus(wire::bus_settings(*options, c3rt_v2_PROCESS_VISION));
   wire::Endpoint endpoint(bus, c3rt_v2_PROCESS_VISION, fault_scope(parameters),
                           [](bool attention, const std::string& said) {
                             spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}",

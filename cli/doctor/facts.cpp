@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -25,12 +26,14 @@
 #include <unistd.h>
 
 #include "cli/fields.hpp"
+#include "cli/keys/keystore.hpp"
 #include "cli/lock.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "config/text.hpp"
 #include "idl/discovery.hpp"
 #include "idl/process.hpp"
+#include "idl/security.hpp"
 
 namespace c3rt::cli::doctor {
 namespace fs = std::filesystem;
@@ -277,12 +280,36 @@ void look_at_peers(wire::Bus& bus, Facts& facts) {
   }
 }
 
-void look_at_bus(const Seat& seat, Facts& facts) {
+constexpr std::time_t kDay_s = 86400;
+
+/// Of all that this host has; without a folder nothing is known of whom it needs.
+void look_at_keys(Facts& facts) {
+  if (!wire::is_secure(read_text(facts.profile.path))) return;
+  KeyFacts& found = facts.keys;
+  const fs::path folder = wire::keys_directory();
+  found.folder = folder.string();
+  std::vector<std::string> identities{"client"};
+  std::error_code error;
+  for (const ProcessFacts& process : facts.processes)
+    if (fs::is_directory(folder / process.name, error)) identities.push_back(process.name);
+  const keys::Findings findings = keys::check(folder, identities, std::time(nullptr));
+  for (const keys::Complaint& complaint : findings.problems)
+    found.problems.push_back({complaint.text, complaint.advice});
+  found.expires = keys::date(findings.expires);
+  found.days_left = static_cast<int>((findings.expires - std::time(nullptr)) / kDay_s);
+}
+
+void look_at_bus(const Seat& seat, const std::string& used, Facts& facts) {
   ProfileFacts& profile = facts.profile;
   try {
-    const wire::BusSettings settings = bus_settings(seat);
-    profile.path = settings.profile_uri;
+    profile.path = used.empty() ? dds_profile_path(seat.dds_profile).string() : used;
     read_interfaces(read_text(profile.path), profile);
+    look_at_keys(facts);
+    if (!facts.keys.problems.empty()) {
+      profile.refused = "cannot be joined with these keys";
+      return;
+    }
+    const wire::BusSettings settings = bus_settings(seat);
     wire::Bus bus(settings);
     look_at_processes(bus, facts);
     look_at_peers(bus, facts);
@@ -325,7 +352,7 @@ Facts collect(const Seat& seat) {
   facts.machine = machine();
   facts.folders = folders(instance);
   facts.tools = tools();
-  look_at_bus(seat, facts);
+  look_at_bus(seat, instance ? instance->profile : "", facts);
   return facts;
 }
 

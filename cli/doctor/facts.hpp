@@ -57,6 +57,19 @@ struct ProfileFacts {
   std::vector<std::string> available;  // interfaces of this host that are up
 };
 
+/// What is wrong with a key, and what to do about it.
+struct KeyProblem {
+  std::string text, advice;
+};
+
+/// Of a secure profile.
+struct KeyFacts {
+  std::string folder;  // "": the profile needs no keys
+  std::vector<KeyProblem> problems;
+  std::string expires;  // the first of them does: "2027-11-29 12:00:00 UTC"
+  int days_left = 0;
+};
+
 struct FolderFacts {
   std::string what, path;  // "runtime folder", "/run/user/1000/c3rt"
   std::string refused;     // why nothing can be written there; ""
@@ -80,6 +93,7 @@ struct Facts {
   SchedulingFacts scheduling;
   MachineFacts machine;
   ProfileFacts profile;
+  KeyFacts keys;
   std::vector<FolderFacts> folders;
   std::vector<ToolFacts> tools;
 };

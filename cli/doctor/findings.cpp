@@ -14,6 +14,7 @@ constexpr long long kLockedBytes = 128 * kMebibyte;  // of c3rt-impedance, with 
 constexpr long long kLowRoom = 200 * kMebibyte;      // a run with logs takes 0.7 MB a second
 constexpr long long kNoRoom = kMebibyte;             // below this a run does not start
 constexpr int kFewCores = 2;
+constexpr int kFewDays = 30;  // until keys expire
 constexpr std::size_t kMostText = 300;
 
 /// Clock sources that are read without a call into the kernel.
@@ -44,6 +45,7 @@ class Examination {
     rights();
     machine();
     profile();
+    keys();
     folders();
     programs();
     return std::move(all_);
@@ -210,7 +212,9 @@ class Examination {
       add("profile", Verdict::kOk, fmt::format("{} ({})", p.name, p.path));
     } else {
       add("profile", Verdict::kProblem, p.refused,
-          "Correct the file, or take a shipped one: --profile loopback.");
+          facts_.keys.problems.empty()
+              ? "Correct the file, or take a shipped one: --profile loopback."
+              : "Mend the keys, see below.");
     }
     for (const InterfaceFacts& interface : p.interfaces) {
       const bool usable = interface.exists && interface.up;
@@ -228,6 +232,17 @@ class Examination {
           p.available.empty() ? "none is up" : "DDS chooses one of " + joined(p.available),
           "Bring one up: ip link set lo up.");
     }
+  }
+
+  void keys() {
+    const KeyFacts& k = facts_.keys;
+    if (k.folder.empty()) return;
+    for (const KeyProblem& problem : k.problems)
+      add("keys", Verdict::kProblem, problem.text, problem.advice);
+    if (!k.problems.empty()) return;
+    add("keys", k.days_left < kFewDays ? Verdict::kWarning : Verdict::kOk,
+        fmt::format("{}, good until {}", k.folder, k.expires),
+        "Make new ones in time, and copy them to every host: c3rt keys init --force.");
   }
 
   void folders() {

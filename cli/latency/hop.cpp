@@ -36,9 +36,15 @@ rt::ThreadSettings servo(int fifo_priority) {
   return settings;
 }
 
+/// With the keys of a process, where the bus is secure: both ends write what only it may.
+wire::BusSettings as(wire::Process process, wire::BusSettings settings) {
+  settings.identity = wire::process_name(process);
+  return settings;
+}
+
 /// The other end: a servo that does nothing but answer.
 void answer(const wire::BusSettings& settings, int fifo_priority) {
-  wire::Bus bus(settings);
+  wire::Bus bus(as(c3rt_v2_PROCESS_IMPEDANCE, settings));
   wire::Signal arrival;
   wire::Inlet<wire::RobotState> states(bus, &arrival);
   wire::Outlet<wire::RobotCommand> commands(bus);
@@ -183,7 +189,7 @@ HopRecord measure_hops(const wire::BusSettings& settings, EchoProcess& echo, dou
                        const std::function<void(double)>& shown) {
   HopRecord record;
   echo.begin();
-  wire::Bus bus(settings);
+  wire::Bus bus(as(c3rt_v2_PROCESS_PLANT, settings));
   LayerPing layer(bus);
   wire::RawPing raw(bus);
   const auto room =

@@ -48,7 +48,7 @@ int run(const config::ProcessOptions& options) {
   const impedance::Parameters parameters = impedance::load_from_scenario(scenario);
   model::Arm arm(parameters.arm);
 
-  wire::Bus bus(wire::bus_settings(options));
+  wire::Bus bus(wire::bus_settings(options, c3rt_v2_PROCESS_IMPEDANCE));
   const auto tell = [](bool attention, const std::string& said) {
     spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}", said);
   };

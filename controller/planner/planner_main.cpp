@@ -20,7 +20,7 @@ constexpr int kPriority = 40;  // below the 1 kHz loop and what carries its samp
 
 int run(const config::ProcessOptions& options) {
   const config::Scenario scenario = config::load_scenario(options.scenario_path, options.overrides);
-  wire::Bus bus(wire::bus_settings(options));
+  wire::Bus bus(wire::bus_settings(options, c3rt_v2_PROCESS_PLANNER));
   wire::Endpoint endpoint(
       bus, c3rt_v2_PROCESS_PLANNER, {}, [](bool attention, const std::string& said) {
         spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "planner: {}", said);

@@ -93,6 +93,19 @@ TEST_CASE("doctor: one change of the facts is one complaint, with what to do abo
        Verdict::kWarning, "supervisor", "vision was given up", "c3rt down"},
       {"a client of other QoS", [](Facts& f) { f.peer_problems = {"plan: requests RELIABLE"}; },
        Verdict::kProblem, "peers", "plan: requests RELIABLE", "c3rt topics --peers"},
+      {"a key is missing",
+       [](Facts& f) {
+         f.keys.folder = "/keys";
+         f.keys.problems = {{"vision/identity.key is missing", "c3rt keys init"}};
+       },
+       Verdict::kProblem, "keys", "vision/identity.key is missing", "c3rt keys init"},
+      {"keys expire soon",
+       [](Facts& f) {
+         f.keys.folder = "/keys";
+         f.keys.days_left = 3;
+         f.keys.expires = "2026-12-02";
+       },
+       Verdict::kWarning, "keys", "good until 2026-12-02", "--force"},
       {"no real-time priority",
        [](Facts& f) {
          f.scheduling.refused = "Operation not permitted";
