@@ -10,12 +10,14 @@
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "idl/process.hpp"
+#include "idl/security.hpp"
 
 namespace c3rt::cli {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr int kTailLines = 15;
+constexpr double kLookWithKeys = 2.5;  // for neighbours [s]
 constexpr const char* kProcesses[] = {"plant", "impedance", "planner", "vision"};
 
 wire::BusSettings bus_settings(const LaunchSettings& settings) {
@@ -80,9 +82,12 @@ void Launch::require_free_bus() const {
   look.clock = wire::ClockMode::kRealtime;
   look.session_id = 0;
   const wire::Bus bus(look);
+  // with keys two participants know each other later
+  const bool secure = wire::is_secure(read_text(look.profile_uri));
+  const double seconds = secure ? kLookWithKeys : kLookForNeighbours;
   // a domain that was drawn is silent already
   const std::vector<Neighbour> others =
-      settings_.any_domain ? std::vector<Neighbour>() : neighbours(bus, kLookForNeighbours);
+      settings_.any_domain ? std::vector<Neighbour>() : neighbours(bus, seconds);
   if (others.empty()) return;
   throw UsageError(fmt::format(
       "DDS domain {} is busy: {} of an instance that is not yours, or was started by hand; choose "

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 #include <fcntl.h>
@@ -20,6 +21,7 @@
 #include "cli/table.hpp"
 #include "cli/watch.hpp"
 #include "idl/process.hpp"
+#include "idl/security.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -27,8 +29,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr auto kStart = std::chrono::seconds(60);  // until every process must run
-constexpr auto kEnd = std::chrono::seconds(20);    // until the supervisor must have ended
+constexpr auto kStart = std::chrono::seconds(60);       // until every process must run
+constexpr double kListen = 1.5, kListenWithKeys = 5.0;  // [s]
+constexpr auto kEnd = std::chrono::seconds(20);         // until the supervisor must have ended
 
 /// Starts this program again, detached from the terminal, with its words in a file.
 pid_t detach(const std::vector<std::string>& words, const std::filesystem::path& log) {
@@ -79,6 +82,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
   const auto deadline = steady_clock::now() + kStart;
   const Seat seat{settings.domain, settings.dds_profile};
   std::string missing = "the supervisor";
+  std::optional<wire::Bus> bus;
   while (steady_clock::now() < deadline && !wire::StopFlag::requested()) {
     int ended = 0;
     if (waitpid(pid, &ended, WNOHANG) == pid) {
@@ -90,8 +94,9 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
       std::this_thread::sleep_for(milliseconds(50));
       continue;
     }
-    wire::Bus bus(bus_settings(seat));
-    const Services services = listen(bus, 1.0);
+    // one bus for all looks: where it is secure, processes take a second and more to trust it
+    if (!bus) bus.emplace(bus_settings(seat));
+    const Services services = listen(*bus, 1.0);
     if (count_in_service(services) == 4) {
       fmt::print("{} is up (pid {}, domain {}, logs in {}/logs)\n{}", instance->scenario, pid,
                  settings.domain, instance->out, service_table(services));
@@ -162,8 +167,11 @@ int down(const Seat& seat) {
 
 int status(const Seat& seat) {
   const auto instance = holder(runtime_directory(), seat.domain);
-  wire::Bus bus(bus_settings(seat));
-  const Services services = listen(bus, 1.5);
+  const wire::BusSettings settings = bus_settings(seat);
+  wire::Bus bus(settings);
+  // processes on a busy machine take seconds to trust a new participant
+  const bool secure = wire::is_secure(read_text(settings.profile_uri));
+  const Services services = listen(bus, secure ? kListenWithKeys : kListen);
   const bool any =
       std::any_of(services.begin(), services.end(), [](const auto& s) { return s.has_value(); });
   if (instance) {

@@ -52,6 +52,15 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
+/// Without each part from `begin` to the next `end`.
+std::string without(std::string text, const std::string& begin, const std::string& end) {
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
+    const std::size_t last = text.find(end, at);
+    text.erase(at, last == std::string::npos ? last : last + end.size() - at);
+  }
+  return text;
+}
+
 /// As XML writes it.
 std::string escaped(std::string text) {
   replace_all(text, "&", "&amp;");
@@ -111,15 +120,15 @@ std::string permissions(const Identity& identity, const std::string& subject,
 }
 
 bool is_secure(const std::string& profile) {
-  std::string text = profile;
   // what stands in a comment demands nothing
-  for (std::size_t begin = text.find("<!--"); begin != std::string::npos;
-       begin = text.find("<!--", begin)) {
-    const std::size_t end = text.find("-->", begin);
-    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
-  }
+  const std::string text = without(profile, "<!--", "-->");
   return text.find("<Security>") != std::string::npos ||
          text.find("<DDSSecurity>") != std::string::npos;
+}
+
+std::string without_keys(const std::string& profile) {
+  const std::string text = without(profile, "<!--", "-->");
+  return without(without(text, "<Security>", "</Security>"), "<DDSSecurity>", "</DDSSecurity>");
 }
 
 fs::path keys_directory() {

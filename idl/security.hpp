@@ -42,6 +42,9 @@ std::string permissions(const Identity& identity, const std::string& subject,
 /// The text of a DDS profile demands keys.
 bool is_secure(const std::string& profile);
 
+/// The profile without what makes it secure.
+std::string without_keys(const std::string& profile);
+
 /// C3RT_KEYS, else c3rt/keys in the person's folder of settings (XDG_CONFIG_HOME, ~/.config).
 std::filesystem::path keys_directory();
 

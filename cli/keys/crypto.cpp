@@ -78,8 +78,9 @@ Key Key::read(const std::string& pem) {
 
 std::string Key::pem() const {
   const Bio out = memory();
-  require(PEM_write_bio_PrivateKey(out.get(), get(key_), nullptr, nullptr, 0, nullptr, nullptr) == 1,
-          "cannot write a key");
+  require(
+      PEM_write_bio_PrivateKey(out.get(), get(key_), nullptr, nullptr, 0, nullptr, nullptr) == 1,
+      "cannot write a key");
   return text_of(out.get());
 }
 
@@ -123,9 +124,8 @@ Certificate Certificate::make_authority(const std::string& name, const Key& key,
   return build(name, key, nullptr, key, period);
 }
 
-Certificate Certificate::make(const std::string& name, const Key& key,
-                              const Certificate& authority, const Key& authority_key,
-                              const Period& period) {
+Certificate Certificate::make(const std::string& name, const Key& key, const Certificate& authority,
+                              const Key& authority_key, const Period& period) {
   return build(name, key, &authority, authority_key, period);
 }
 
@@ -176,9 +176,9 @@ std::string sign(const std::string& text, const Certificate& authority, const Ke
       PKCS7_sign(certificate_of(authority.certificate_), get(authority_key.key_), nullptr, in.get(),
                  kFlags),
       &PKCS7_free);
-  require(document != nullptr &&
-              SMIME_write_PKCS7(out.get(), document.get(), in.get(), kFlags) == 1,
-          "cannot sign a document");
+  require(
+      document != nullptr && SMIME_write_PKCS7(out.get(), document.get(), in.get(), kFlags) == 1,
+      "cannot sign a document");
   return text_of(out.get());
 }
 
@@ -189,7 +189,7 @@ std::string verify(const std::string& document, const Certificate& authority) {
                                                              &PKCS7_free);
   const Bio detached(content, &BIO_free);
   require(parsed != nullptr && detached != nullptr, "not a document signed with S/MIME");
-  const std::unique_ptr<STACK_OF(X509), void (*)(STACK_OF(X509) *)> signers(
+  const std::unique_ptr<STACK_OF(X509), void (*)(STACK_OF(X509)*)> signers(
       sk_X509_new_null(), [](STACK_OF(X509) * held) { sk_X509_free(held); });
   sk_X509_push(signers.get(), certificate_of(authority.certificate_));
   // the authority alone is trusted, whatever the document brings along; its period is judged by

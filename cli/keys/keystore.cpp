@@ -23,8 +23,7 @@ namespace {
 
 constexpr std::time_t kDay = 86400;
 constexpr mode_t kPrivate = 0600, kPublic = 0644, kFolder = 0755;
-constexpr const char* kAnew =
-    "make them anew, and copy them to every host: c3rt keys init --force";
+constexpr const char* kAnew = "make them anew, and copy them to every host: c3rt keys init --force";
 
 std::string formatted(std::time_t time, const char* format) {
   std::tm parts{};
@@ -104,9 +103,8 @@ void fill(const fs::path& folder, const Period& period) {
     const Key key = Key::make();
     const Certificate certificate =
         Certificate::make(identity.name, key, authority, authority_key, period);
-    const std::string may =
-        wire::permissions(identity, certificate.subject(), xml_time(period.not_before),
-                          xml_time(period.not_after));
+    const std::string may = wire::permissions(
+        identity, certificate.subject(), xml_time(period.not_before), xml_time(period.not_after));
     write(own / file::kCertificate, certificate.pem(), kPublic);
     write(own / file::kKey, key.pem(), kPrivate);
     write(own / file::kPermissions, sign(may, authority, authority_key), kPublic);
@@ -149,10 +147,10 @@ class Check {
       complain(identity, fmt::format("{} is missing", path.string()),
                "copy it from where the keys were made, or " + std::string(kAnew));
     } else {
-      complain(identity,
-               fmt::format("{} cannot be read by this user: {}", path.string(),
-                           std::strerror(reason)),
-               "run as the user that the keys belong to, or name others: export C3RT_KEYS=DIR");
+      complain(
+          identity,
+          fmt::format("{} cannot be read by this user: {}", path.string(), std::strerror(reason)),
+          "run as the user that the keys belong to, or name others: export C3RT_KEYS=DIR");
     }
     return std::nullopt;
   }
@@ -224,10 +222,10 @@ class Check {
       return;
     }
     if (certificate->subject() != "CN=" + name)
-      complain(name,
-               fmt::format("the certificate of {} is another one's: {}", name,
-                           certificate->subject()),
-               "copy the folder of each identity to its own name");
+      complain(
+          name,
+          fmt::format("the certificate of {} is another one's: {}", name, certificate->subject()),
+          "copy the folder of each identity to its own name");
     look_at_period(name, "the certificate of " + name, certificate->period());
     if (key && !certificate->is_of(*key))
       complain(name, fmt::format("the key of {} does not belong to its certificate", name),
@@ -242,10 +240,10 @@ class Check {
     const fs::path path = folder_ / name / file::kKey;
     struct stat status {};
     if (stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0)
-      complain(name,
-               fmt::format("{} is open to others (mode {:04o})", path.string(),
-                           status.st_mode & 07777),
-               "chmod 600 " + path.string());
+      complain(
+          name,
+          fmt::format("{} is open to others (mode {:04o})", path.string(), status.st_mode & 07777),
+          "chmod 600 " + path.string());
   }
 
   fs::path folder_;
@@ -278,8 +276,8 @@ void make(const fs::path& given, int days, bool force, std::time_t now) {
   make_folder(folder.parent_path());
   const Draft draft(folder);
   fill(draft.path(), {now - kClockSkew, now + days * kDay});
-  // in one step: whoever looks finds the old ones or the new ones whole, and the draft takes the old
-  // ones away
+  // in one step: whoever looks finds the old ones or the new ones whole, and the draft takes the
+  // old ones away
   if (renameat2(AT_FDCWD, draft.path().c_str(), AT_FDCWD, folder.c_str(),
                 taken ? RENAME_EXCHANGE : 0) != 0)
     throw std::runtime_error("cannot put the keys to " + folder.string() + ": " +

@@ -93,6 +93,8 @@ TEST_CASE("security: a secure profile is its plain one and what names the keys")
     text = std::regex_replace(text, security, "");
     return std::regex_replace(text, space, " ");
   };
+  CHECK(std::regex_replace(without_keys(text_of(folder + "secure.xml")), space, " ") ==
+        plain("loopback"));
   CHECK(plain("secure") == plain("loopback"));
   CHECK(plain("secure_lan") == plain("lan"));
   CHECK_FALSE(is_secure(text_of(folder + "loopback.xml")));

@@ -1,27 +1,34 @@
-// Somebody on the bus who reads and writes every topic as far as that is possible, for a few
-// seconds, and says how far that was: a line "TOPIC READ MET" for each, with the samples that
-// arrived from others and the readers of others that its writer met; "-" where its own rights do not let it try.
-//   secure_party DOMAIN PROFILE IDENTITY SECONDS
+// Somebody on the bus who reads and writes every topic as far as that is possible, until it is
+// asked to end, or until something came of each topic that it names, and says how far that was: a
+// line "TOPIC READ MET" for each, with the samples that arrived from others and the readers of
+// others that its writer met; "-" where its own rights do not let it try.
+//   secure_party DOMAIN PROFILE IDENTITY [TOPIC...]
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/dds.hpp"
+#include "idl/process.hpp"
 
 namespace {
 
 using namespace c3rt;
 
+constexpr std::int64_t kPatience_ns = 60'000'000'000;
+
 /// On one topic.
 class Attempt {
  public:
   virtual ~Attempt() = default;
+  virtual std::string topic() const = 0;
+  virtual bool succeeded() const = 0;
   virtual void step() = 0;
   virtual void tell() const = 0;
 };
@@ -41,6 +48,8 @@ class AttemptOn : public Attempt {
     // it would read what it writes itself
     if (std::is_same_v<T, wire::RobotCommand> && writer_) reader_.reset();
   }
+  std::string topic() const override { return wire::topic<T>().name; }
+  bool succeeded() const override { return reader_ && writer_ ? met_ > 0 : read_ > 0 || met_ > 0; }
   void step() override {
     T sample{};
     while (reader_ && reader_->take(sample)) ++read_;
@@ -54,8 +63,7 @@ class AttemptOn : public Attempt {
     if (writer_) met_ = std::max(met_, writer_->matched_readers() - (reader_ ? 1 : 0));
   }
   void tell() const override {
-    std::printf("%s %s %s\n", wire::topic<T>().name,
-                reader_ ? std::to_string(read_).c_str() : "-",
+    std::printf("%s %s %s\n", wire::topic<T>().name, reader_ ? std::to_string(read_).c_str() : "-",
                 writer_ ? std::to_string(met_).c_str() : "-");
   }
 
@@ -69,7 +77,8 @@ class AttemptOn : public Attempt {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) return 2;
+  if (argc < 4) return 2;
+  const wire::StopFlag stop;
   try {
     wire::BusSettings settings;
     settings.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
@@ -81,8 +90,15 @@ int main(int argc, char** argv) {
     wire::for_each_topic([&](const auto& sample) {
       attempts.push_back(std::make_unique<AttemptOn<std::decay_t<decltype(sample)>>>(bus));
     });
-    const std::int64_t end_ns = rt::now_ns() + std::atoi(argv[4]) * std::int64_t{1'000'000'000};
-    while (rt::now_ns() < end_ns) {
+    const std::set<std::string> wanted(argv + 4, argv + argc);
+    const auto done = [&] {
+      return !wanted.empty() &&
+             std::all_of(attempts.begin(), attempts.end(), [&](const auto& attempt) {
+               return wanted.count(attempt->topic()) == 0 || attempt->succeeded();
+             });
+    };
+    const std::int64_t end_ns = rt::now_ns() + kPatience_ns;
+    while (rt::now_ns() < end_ns && !wire::StopFlag::requested() && !done()) {
       for (const auto& attempt : attempts) attempt->step();
       bus.wait_for_data(5'000'000);
     }
