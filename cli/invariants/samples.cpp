@@ -150,9 +150,13 @@ void Samples::hear(const wire::RobotState& sample) {
   const bool reflex = sample.mode == c3rt_v2_ROBOT_REFLEX;
   if (reflex && !reflex_) {
     ++reflexes_;
+    // in its time or in its cycles: after a pause of the machine these come closer together
+    const bool without_commands =
+        seconds(now_ns - obeyed_at_ns_) >= (kLostCommands - 0.5) * limits_.cycle ||
+        static_cast<double>(sample.header.seq) - static_cast<double>(obeyed_at_) >= kLostCommands;
     const bool of_lost_commands =
         sample.errors == plant::bit(plant::Error::kCommunicationConstraintsViolation) &&
-        seconds(now_ns - obeyed_at_ns_) >= (kLostCommands - 0.5) * limits_.cycle;
+        without_commands;
     if (!of_lost_commands && now_ns > excused_until_ns_) {
       violated("reflex", "robot/state: " + plant::names(sample.errors), now_ns,
                static_cast<double>(sample.errors), 0.0, "");

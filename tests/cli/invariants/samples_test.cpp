@@ -306,6 +306,27 @@ TEST_CASE("samples: a reflex of lost commands has its cause where commands were 
   CHECK(run.of("reflex") == (lost < 19 ? 1u : 0u));
 }
 
+TEST_CASE("samples: cycles that come closer together after a pause count as cycles") {
+  const int lost = GENERATE(17, 19);
+  Run run;
+  run.cycles(10);
+  run.commanded = false;
+  run.cycle();  // the last command arrives
+  const std::int64_t from_ns = run.count * kMs;
+  for (int i = 1; i <= lost + 1; ++i) {
+    wire::RobotState state = run.state;
+    state.header.seq += static_cast<std::uint64_t>(i);
+    state.header.time_ns = from_ns + i * kMs * 9 / 10;
+    state.command_seq = run.commands;
+    if (i > lost) {
+      state.mode = c3rt_v2_ROBOT_REFLEX;
+      state.errors = plant::bit(plant::Error::kCommunicationConstraintsViolation);
+    }
+    run.samples.hear(state);
+  }
+  CHECK(run.of("reflex") == (lost < 19 ? 1u : 0u));
+}
+
 TEST_CASE("samples: a robot that moves on without commands is seen after 20 cycles") {
   Run run;
   run.cycles(10);
