@@ -23,6 +23,7 @@
 #include "cli/progress.hpp"
 #include "cli/watch.hpp"
 #include "idl/process.hpp"
+#include "idl/security.hpp"
 #include "plant_emulator/errors.hpp"
 
 namespace c3rt::cli::latency {
@@ -58,7 +59,8 @@ void describe_machine(Report& report) {
 }
 
 /// With the samples for the picture.
-Row row(const char* key, const char* stage, const char* name, std::vector<double> samples) {
+Row row(const std::string& key, const char* stage, const std::string& name,
+        std::vector<double> samples) {
   Row result{key, stage, name, distribution(samples), std::move(samples)};
   return result;
 }
@@ -93,6 +95,8 @@ class Measurement {
   int run() {
     // before this process has a thread
     EchoProcess echo(launch_.bus(), priority_);
+    std::optional<EchoProcess> plain;
+    if (secure_) plain.emplace(plain_bus(), priority_);
     launch_.require_free_bus();
     const Load load(settings_.load);
     fmt::print(stderr, "c3rt latency: {:g} s, results in {}\n", settings_.duration,
@@ -101,8 +105,10 @@ class Measurement {
       Progress progress("latency");
       progress_ = &progress;
       machine_alone();
-      if (!stopped()) dds(echo);
+      if (!stopped()) dds(echo, launch_.bus(), secure_ ? 0.5 : 1.0, "");
       echo.end();
+      if (plain && !stopped()) dds(*plain, plain_bus(), 0.5, "_plain");
+      plain.reset();
       if (!stopped()) processes();
       progress_ = nullptr;
     }
@@ -140,22 +146,37 @@ class Measurement {
     report_.measured.reference = report_.rows.back().times;
   }
 
-  void dds(EchoProcess& echo) {
+  /// The same profile without its keys, from a file among the results.
+  wire::BusSettings plain_bus() const {
+    wire::BusSettings bus = launch_.bus();
+    const std::filesystem::path file = launch_.out() / "plain_profile.xml";
+    write_text(file, wire::without_keys(read_text(bus.profile_uri)));
+    bus.profile_uri = file.string();
+    return bus;
+  }
+
+  /// @param part of the stage's time
+  /// @param suffix of the rows' keys: "_plain" for the profile without keys
+  void dds(EchoProcess& echo, const wire::BusSettings& bus, double part,
+           const std::string& suffix) {
     HopRecord record =
-        measure_hops(launch_.bus(), echo, kDds * settings_.duration, priority_, stopped,
-                     [this](double share) { show(kAlone + kDds * share, "DDS there and back"); });
+        measure_hops(bus, echo, part * kDds * settings_.duration, priority_, stopped,
+                     [&](double share) { show(kAlone + kDds * share, "DDS there and back"); });
     if (stopped()) return;
     if (record.died) throw ProcessFailure("latency: the other end of the ping has died");
     if (!record.answered)
       throw ProcessFailure("latency: the other end of the ping was not found on domain " +
                            std::to_string(launch_.bus().domain));
-    report_.pings = record.sent;
-    report_.pings_lost = record.lost;
-    report_.rows.push_back(
-        row("hop", kDdsStage, "state there, command back, as the servo", std::move(record.layer)));
-    report_.rows.push_back(
-        row("hop_raw", kDdsStage, "the same by DDS alone", std::move(record.raw)));
-    report_.measured.hop_raw = report_.rows.back().times;
+    report_.pings += record.sent;
+    report_.pings_lost += record.lost;
+    const char* without = suffix.empty() ? "" : ", without keys";
+    report_.rows.push_back(row("hop" + suffix, kDdsStage,
+                               std::string("state there, command back, as the servo") + without,
+                               std::move(record.layer)));
+    report_.rows.push_back(row("hop_raw" + suffix, kDdsStage,
+                               std::string("the same by DDS alone") + without,
+                               std::move(record.raw)));
+    if (suffix.empty()) report_.measured.hop_raw = report_.rows.back().times;
   }
 
   void processes() {
@@ -228,6 +249,7 @@ class Measurement {
   const Settings settings_;
   Launch launch_;
   const int priority_;
+  const bool secure_ = wire::is_secure(read_text(launch_.bus().profile_uri));
   Report report_;
   Ending ending_;
   Progress* progress_ = nullptr;
