@@ -65,6 +65,8 @@ class Chaos {
     summary_.rate = settings.rate;
     summary_.clock = settings.launch.clock_name();
     if (settings.launch.in_process) summary_.clock += " in one process";
+    // before there is a folder; what the scenario's cameras allow is looked at with the scenario
+    (void)choose(settings.faults, {where(), 1});
   }
 
   int run() {
@@ -89,9 +91,10 @@ class Chaos {
     return failed_.empty() && !interrupted_ && summary_.lasted + 0.05 < settings_.duration;
   }
 
+  Where where() const { return settings_.launch.in_process ? kSimulated : kRealtime; }
+
   void begin(const Launch& launch) {
-    choices_ = choose(settings_.faults, {settings_.launch.in_process ? kSimulated : kRealtime,
-                                         extent_of(launch.scenario()).cameras});
+    choices_ = choose(settings_.faults, {where(), extent_of(launch.scenario()).cameras});
     if (files_) return;
     summary_.scenario = launch.scenario().name;
     settings_.launch.out = launch.out().string();
