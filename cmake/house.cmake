@@ -91,7 +91,7 @@ function(c3rt_join_sources)
     set_target_properties(c3rt_${name} PROPERTIES UNITY_BUILD ${C3RT_JOIN_SOURCES} UNITY_BUILD_BATCH_SIZE 8)
     if(C3RT_JOIN_SOURCES)
       # that a class of one source has a member of a type without linkage is meant as long as it is one source's
-      target_compile_options(c3rt_${name} PRIVATE -Wno-subobject-linkage)
+      target_compile_options(c3rt_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
     endif()
   endforeach()
 endfunction()
