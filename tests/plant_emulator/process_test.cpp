@@ -47,7 +47,7 @@ TEST_CASE(
     "in realtime the plant moves while it is commanded, stops when it is not, and recovers on "
     "request") {
   Child child(kScenario, {"--clock", "realtime", "--set", "plant.objects.0.start_spread_m=0"});
-  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, 0});
+  wire::Bus bus({test_domain(), kProfile, "client", wire::ClockMode::kRealtime, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
   wire::Reader<wire::ServiceReply> replies(bus);
@@ -156,7 +156,7 @@ Trace lockstep_trace() {
   std::vector<std::string> with_controller{"--clock", "lockstep"};
   with_controller.insert(with_controller.end(), {"--expect", "impedance"});
   Child child(kScenario, with_controller);
-  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
+  wire::Bus bus({test_domain(), kProfile, "client", wire::ClockMode::kLockstep, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Reader<wire::Scene> scenes(bus);
   wire::Writer<wire::RobotCommand> commands(bus);
@@ -198,7 +198,7 @@ TEST_CASE(
 TEST_CASE(
     "in lockstep a recovery is answered when the robot moves for good, not at the next hole") {
   Child child(kScenario, {"--clock", "lockstep", "--expect", "impedance"});
-  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, 0});
+  wire::Bus bus({test_domain(), kProfile, "client", wire::ClockMode::kLockstep, 0});
   wire::Reader<wire::RobotState> states(bus);
   wire::Writer<wire::RobotCommand> commands(bus);
   wire::Reader<wire::ServiceReply> replies(bus);

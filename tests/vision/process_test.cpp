@@ -96,7 +96,7 @@ class Plant {
  public:
   explicit Plant(const std::string& scenario, const std::vector<std::string>& more = {})
       : child_(scenario, "lockstep", more),
-        bus_({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()}),
+        bus_({test_domain(), kProfile, "client", wire::ClockMode::kLockstep, wire::draw_session()}),
         scenes_(bus_),
         faults_(bus_),
         estimates_(bus_),
@@ -236,7 +236,8 @@ TEST_CASE(
             "    look_ahead_s: 0\n    beside_weight: 0\n    change_margin_m: 0\n"
             "    room_ahead_m: 0\n    return_back_m:"}}),
       "lockstep");
-  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kLockstep, wire::draw_session()});
+  wire::Bus bus(
+      {test_domain(), kProfile, "client", wire::ClockMode::kLockstep, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
   wire::Reader<wire::ObjectEstimate> estimates(bus, 64);
   wire::Reader<wire::ObjectDetection> detections(bus, 64);
@@ -317,7 +318,8 @@ TEST_CASE("a frozen camera is done without, a hidden ball is reported lost and f
 
 TEST_CASE("in realtime an estimate follows each exposure, and SIGTERM ends the process cleanly") {
   Child child(camera_scenario(), "realtime");
-  wire::Bus bus({test_domain(), kProfile, wire::ClockMode::kRealtime, wire::draw_session()});
+  wire::Bus bus(
+      {test_domain(), kProfile, "client", wire::ClockMode::kRealtime, wire::draw_session()});
   wire::Writer<wire::Scene> scenes(bus);
   wire::Reader<wire::ObjectEstimate> estimates(bus);
   rt::PeriodicClock clock(kPeriod);
