@@ -28,7 +28,8 @@ namespace {
 constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 // a writer of a periodic topic that misses so many of its deadlines in a row is gone
 constexpr double kMissedDeadlines = 5.0;
-constexpr double kSilence_s = 0.5;  // of a topic without a deadline
+constexpr double kSilence_s = 0.5;                    // of a topic without a deadline
+constexpr std::int64_t kHistory_ns = 10'000'000'000;  // both ends have found each other by then
 constexpr int kRobotState = topic<RobotState>().stream;
 
 Entity created(dds_entity_t handle, const std::string& what) {
@@ -469,7 +470,7 @@ struct ReaderBase::Implementation {
     dds_sample_info_t info;
     while (dds_take(reader.handle(), &sample, &info, 1, 1) == 1) {
       if (!info.valid_data) continue;  // a writer came or went
-      if (info.source_timestamp < not_before) continue;
+      if (info.source_timestamp < not_before && rt::now_ns() < history_until_ns) continue;
       sender = {info.publication_handle, 0};
       return true;
     }
@@ -524,7 +525,9 @@ struct ReaderBase::Implementation {
   /// Requests and faults from before a process was there were for its predecessor: their writers,
   /// who live on, offer them again to whoever is started. A target stays until the next one.
   dds_time_t not_before = std::numeric_limits<dds_time_t>::min();  // of the wall's clock
-  std::unique_ptr<Waiter> waiter;                                  // Wakes::kItself
+  /// What was kept comes as its writer is found. Later on a client's clock may be behind ours.
+  std::int64_t history_until_ns = 0;
+  std::unique_ptr<Waiter> waiter;  // Wakes::kItself
 
   OneWriter one_writer;
   std::array<Source, kSources> sources{};
@@ -584,7 +587,10 @@ void ReaderBase::join_dds(int depth, Wakes wakes, std::optional<Process> address
   Implementation& self = *implementation_;
   const std::string name = topic_.name;
   const bool of_the_moment = topic_.trait == Trait::kAnswered && &topic_ != &topic<TaskTarget>();
-  if (of_the_moment && bus_.clock() == ClockMode::kRealtime) self.not_before = dds_time();
+  if (of_the_moment && bus_.clock() == ClockMode::kRealtime) {
+    self.not_before = dds_time();
+    self.history_until_ns = rt::now_ns() + kHistory_ns;
+  }
   self.topic = created(
       dds_create_topic(bus_.participant(), topic_.descriptor, topic_.name, nullptr, nullptr),
       "topic " + name);

@@ -301,6 +301,8 @@ TEST_CASE(
   request.verb = c3rt_v2_REQUEST_SHUTDOWN;
   request.request_id = 1;
   request.process = c3rt_v2_PROCESS_PLANNER;
+  // what was asked before it was there was not for it
+  REQUIRE(eventually([&] { return requests.matched_readers() > 0; }));
   requests.write(request, 1);
   request.request_id = 2;
   request.process = c3rt_v2_PROCESS_VISION;
