@@ -130,30 +130,6 @@ tidy
 expect "a file that cannot be read is red and the others are looked at" "$status:$seen" "1:room/a.cpp room/b.cpp room/c.cpp "
 expect "and it is said why" "$(grep -c 'clang-diagnostic-error' "$scratch/said")" 1
 git checkout -q room
-# a build that joins two sources: each is read by itself
-mkdir -p build/release/Unity
-printf '#include "%s/room/%s.cpp"\n' "$PWD" a "$PWD" c >build/release/Unity/unity_0_cxx.cxx
-{
-  printf '[\n{"file": "%s/build/release/Unity/unity_0_cxx.cxx", "command": "c++ -I%s -include x/cmake_pch.hxx -c %s/build/release/Unity/unity_0_cxx.cxx"},\n' "$PWD" "$PWD" "$PWD"
-  printf '{"file": "%s/room/b.cpp", "command": "c++ -c %s/room/b.cpp"}\n]\n' "$PWD" "$PWD"
-} >build/release/compile_commands.json
-cat >build/release/build.ninja <<END
-rule compile
-  command = c++ -I$PWD -MD -MF \$out.d -c \$in -o \$out
-  deps = gcc
-  depfile = \$out.d
-build joined.o: compile $PWD/build/release/Unity/unity_0_cxx.cxx
-build b.o: compile $PWD/room/b.cpp
-END
-ninja -C build/release >/dev/null
-tidy
-expect "joined sources are read one by one" "$status:$seen" "0:room/a.cpp room/b.cpp room/c.cpp "
-expect "with their own commands" "$(grep -c -- "-c $PWD/room/c.cpp" build/tidy/compile_commands.json):$(grep -c 'cmake_pch\|Unity' build/tidy/compile_commands.json)" "1:0"
-echo '// changed' >>room/c.cpp
-tidy --since HEAD
-expect "of joined sources the one that changed" "$status:$seen" "0:room/c.cpp "
-git checkout -q room
-
 echo '// new' >room/d.cpp
 git add room/d.cpp
 tidy

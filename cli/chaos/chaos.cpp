@@ -320,14 +320,8 @@ class Chaos {
       missing = draw_recovery(
           out, fmt::format("c3rt chaos {} ({})", summary_.scenario, summary_.clock), outcomes_);
     }
-    fmt::print("\n{}", text);
-    if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
-    fmt::print("  {:<12}{}\n", "report", out.string());
-    std::fflush(stdout);
-    if (!failed_.empty()) {
-      fmt::print(stderr, "c3rt: error: {}\n", failed_);
-      return kProcessFailed;
-    }
+    soak::say_end(text, missing, out, failed_);
+    if (!failed_.empty()) return kProcessFailed;
     return kept && !interrupted_ ? kDone : kCriterionFailed;
   }
 

@@ -43,6 +43,15 @@ double grown(const invariants::Processes::Course& course) {
 
 }  // namespace
 
+void say_end(const std::string& text, const std::string& missing, const std::filesystem::path& out,
+             const std::string& failure) {
+  fmt::print("\n{}", text);
+  if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
+  fmt::print("  {:<12}{}\n", "report", out.string());
+  std::fflush(stdout);
+  if (!failure.empty()) fmt::print(stderr, "c3rt: error: {}\n", failure);
+}
+
 std::string time_text(double seconds) {
   if (seconds < 120.0) return fmt::format("{:.1f} s", seconds);
   if (seconds < 7200.0) return fmt::format("{:.1f} min", seconds / 60.0);

@@ -65,6 +65,11 @@ std::string to_text(const Summary& summary, const invariants::Violations& violat
 /// Of violations alone, in lines.
 std::string to_text(const invariants::Violations& violations);
 
+/// The end of a long run on the terminal: its text, why there is no picture, where the report is,
+/// and what failed; empty: nothing did.
+void say_end(const std::string& text, const std::string& missing, const std::filesystem::path& out,
+             const std::string& failure);
+
 /// A length of time for a person: "12.0 s", "3.5 min", "24.00 h".
 std::string time_text(double seconds);
 

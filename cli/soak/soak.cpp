@@ -362,14 +362,8 @@ class Soak {
           draw_memory(out, fmt::format("c3rt soak {} ({})", summary_.scenario, summary_.clock),
                       files_->memory());
     }
-    fmt::print("\n{}", text);
-    if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
-    fmt::print("  {:<12}{}\n", "report", out.string());
-    std::fflush(stdout);
-    if (!failed_.empty()) {
-      fmt::print(stderr, "c3rt: error: {}\n", details_);
-      return kProcessFailed;
-    }
+    say_end(text, missing, out, failed_.empty() ? "" : details_);
+    if (!failed_.empty()) return kProcessFailed;
     return violations == 0 && !interrupted_ ? kDone : kCriterionFailed;
   }
 

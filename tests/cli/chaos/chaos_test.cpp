@@ -1,50 +1,25 @@
 // c3rt chaos, as a person calls it, in simulated time.
-#include <csignal>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "cli/paths.hpp"
-#include "tests/cli/eventually.hpp"
-#include "tests/cli/folder.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/cli/long_run.hpp"
 
 using namespace c3rt;
 using nlohmann::json;
 
 namespace {
 
-struct Shaken {
-  int status;
-  json report;
-  std::string said, faults;
+struct Shaken : cli::LongRun {
+  std::string faults;
 };
-
-std::vector<std::string> command(const std::vector<std::string>& arguments,
-                                 const std::filesystem::path& out) {
-  std::vector<std::string> words{test::program("c3rt"), "chaos"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  words.insert(words.end(), {"--no-pictures", "--out", out.string()});
-  return words;
-}
-
-json report_in(const std::filesystem::path& folder) {
-  json report;
-  std::ifstream file(folder / "chaos.json");
-  if (file) file >> report;
-  return report;
-}
 
 Shaken chaos(const std::vector<std::string>& arguments) {
   const cli::Folder folder;
-  const auto log = folder.path() / "said.txt";
-  test::ChildProcess child(command(arguments, folder.path() / "out"), log.string());
-  const int status = child.wait();
-  return {status, report_in(folder.path() / "out"), cli::read_text(log),
-          cli::read_text(folder.path() / "out" / "faults.csv")};
+  const cli::LongRun run = cli::long_run("chaos", arguments, folder);
+  return {run, cli::read_text(folder.path() / "out" / "faults.csv")};
 }
 
 }  // namespace
@@ -81,14 +56,9 @@ TEST_CASE("chaos: what does not go on is a violation, and is shown again by its 
 
 TEST_CASE("chaos: Ctrl-C ends it with the report of what was done") {
   const cli::Folder folder;
-  test::ChildProcess child(
-      command({"circle_service", "--in-process", "--duration", "24h"}, folder.path() / "out"),
-      (folder.path() / "said.txt").string());
-  REQUIRE(cli::eventually(
-      [&] { return std::filesystem::exists(folder.path() / "out" / "passes.csv"); }));
-  child.signal(SIGINT);
-  CHECK(child.wait() == 1);
-  const json report = report_in(folder.path() / "out");
+  const auto [status, report, said] =
+      cli::long_run("chaos", {"circle_service", "--in-process", "--duration", "24h"}, folder, true);
+  CHECK(status == 1);
   REQUIRE(report.is_object());
   CHECK(report.at("result") == "interrupted");
 }

@@ -1,5 +1,4 @@
 // c3rt soak, as a person calls it, in simulated time.
-#include <csignal>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -8,43 +7,20 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "cli/paths.hpp"
-#include "tests/cli/eventually.hpp"
-#include "tests/cli/folder.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/cli/long_run.hpp"
 
 using namespace c3rt;
 using nlohmann::json;
 
 namespace {
 
-struct Soaked {
-  int status;
-  json report;
-  std::string said;
+struct Soaked : cli::LongRun {
   std::vector<std::string> passes;  // lines of passes.csv
 };
 
-std::vector<std::string> command(const std::vector<std::string>& arguments,
-                                 const std::filesystem::path& out) {
-  std::vector<std::string> words{test::program("c3rt"), "soak"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  words.insert(words.end(), {"--no-pictures", "--out", out.string()});
-  return words;
-}
-
-json report_in(const std::filesystem::path& folder) {
-  json report;
-  std::ifstream file(folder / "soak.json");
-  if (file) file >> report;
-  return report;
-}
-
 Soaked soak(const std::vector<std::string>& arguments) {
   const cli::Folder folder;
-  const auto log = folder.path() / "said.txt";
-  test::ChildProcess child(command(arguments, folder.path() / "out"), log.string());
-  Soaked result{child.wait(), report_in(folder.path() / "out"), cli::read_text(log), {}};
+  Soaked result{cli::long_run("soak", arguments, folder), {}};
   std::ifstream passes(folder.path() / "out" / "passes.csv");
   std::string line;
   for (std::getline(passes, line); std::getline(passes, line);) result.passes.push_back(line);
@@ -95,14 +71,9 @@ TEST_CASE("soak: each pass has the next seed, and what it violates is shown agai
 
 TEST_CASE("soak: Ctrl-C ends it with the report of what was done") {
   const cli::Folder folder;
-  test::ChildProcess child(
-      command({"circle_slow", "--in-process", "--duration", "24h"}, folder.path() / "out"),
-      (folder.path() / "said.txt").string());
-  REQUIRE(cli::eventually(
-      [&] { return std::filesystem::exists(folder.path() / "out" / "passes.csv"); }));
-  child.signal(SIGINT);
-  CHECK(child.wait() == 1);
-  const json report = report_in(folder.path() / "out");
+  const auto [status, report, said] =
+      cli::long_run("soak", {"circle_slow", "--in-process", "--duration", "24h"}, folder, true);
+  CHECK(status == 1);
   REQUIRE(report.is_object());
   CHECK(report.at("result") == "interrupted");
   CHECK(report.at("passes").at("begun") == 1);
