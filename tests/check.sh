@@ -132,7 +132,7 @@ threads() {
   cmake --preset tsan >/dev/null
   local -a built
   mapfile -t built < <(ninja -C build/tsan -t targets all |
-    sed -nE 's/^(test_(idl|controller_rt|controller_impedance|controller_planner|vision)_[a-z0-9_]+): phony$/\1/p')
+    sed -nE 's/^(test_(idl|controller_rt|controller_impedance|controller_planner|vision)(_[a-z0-9_]+)?): phony$/\1/p')
   ((${#built[@]})) || fail "build/tsan has no tests"
   ninja -C build/tsan -j "$jobs" --quiet programs "${built[@]}" || fail "the tests do not build"
   ctest --preset tsan --no-tests=error -R '^(idl|controller/(rt|impedance|planner)|vision)/' -E python_client ||

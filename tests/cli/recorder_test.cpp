@@ -11,7 +11,9 @@
 #include "tests/cli/folder.hpp"
 #include "tests/idl/samples.hpp"
 
-namespace c3rt::cli {
+using namespace c3rt;
+using namespace c3rt::cli;
+
 namespace {
 
 using wire::test::plain;
@@ -56,4 +58,3 @@ TEST_CASE("Recorder: samples that cannot be are refused, not followed, and told"
 }
 
 }  // namespace
-}  // namespace c3rt::cli

@@ -20,7 +20,10 @@
 #include "tests/idl/samples.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using test::eventually;
@@ -816,4 +819,3 @@ TEST_CASE("Bus: a profile that is missing or wrong is an error that names it") {
 }
 
 }  // namespace
-}  // namespace c3rt::wire

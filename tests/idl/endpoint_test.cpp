@@ -9,7 +9,10 @@
 
 #include "tests/idl/bus_fixture.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using test::eventually;
@@ -245,4 +248,3 @@ TEST_CASE(
 }
 
 }  // namespace
-}  // namespace c3rt::wire

@@ -11,7 +11,9 @@
 
 #include "idl/dds.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+
 namespace {
 
 constexpr std::uint64_t kSession = 7;
@@ -286,4 +288,3 @@ TEST_CASE("exchange: a clock of the machine is refused") {
 }
 
 }  // namespace
-}  // namespace c3rt::wire

@@ -10,7 +10,10 @@
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/idl/samples.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using test::Child;
@@ -298,4 +301,3 @@ TEST_CASE("Loop: a signal ends the wait, and that is no failure") {
 }
 
 }  // namespace
-}  // namespace c3rt::wire

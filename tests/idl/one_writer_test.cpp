@@ -4,7 +4,9 @@
 
 #include <catch2/catch.hpp>
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -79,4 +81,3 @@ TEST_CASE("OneWriter: in lockstep silence is nothing and a weaker writer nobody"
 }
 
 }  // namespace
-}  // namespace c3rt::wire

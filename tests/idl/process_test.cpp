@@ -13,7 +13,10 @@
 #include "tests/idl/samples.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using test::eventually;
@@ -428,4 +431,3 @@ TEST_CASE("draw_session: a later one is larger") {
 }
 
 }  // namespace
-}  // namespace c3rt::wire

@@ -17,7 +17,10 @@
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/idl/samples.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using test::kDomain;
@@ -160,5 +163,3 @@ TEST_CASE("python client: it reads every topic and writes every topic, value by 
   for (const PeerProblem& problem : bus.problems()) UNSCOPED_INFO(problem.text);
   CHECK(written);
 }
-
-}  // namespace c3rt::wire

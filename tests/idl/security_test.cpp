@@ -9,7 +9,10 @@
 
 #include <catch2/catch.hpp>
 
-namespace c3rt::wire::test {
+using namespace c3rt;
+using namespace c3rt::wire;
+using namespace c3rt::wire::test;
+
 namespace {
 
 using Topics = std::set<std::string>;
@@ -120,5 +123,3 @@ TEST_CASE("security: the keystore is where the environment says, else among one'
   setenv("HOME", "/home/somebody", 1);
   CHECK(keys_directory() == "/home/somebody/.config/c3rt/keys");
 }
-
-}  // namespace c3rt::wire::test

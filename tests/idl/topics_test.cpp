@@ -10,7 +10,9 @@
 
 #include "controller/scene/scene.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+
 namespace {
 
 // the sizes that the model and the planner are built for stand in the contract, not only in the
@@ -135,4 +137,3 @@ TEST_CASE("process_name: every process has one") {
 }
 
 }  // namespace
-}  // namespace c3rt::wire

@@ -13,7 +13,10 @@
 #include "tests/support/property.hpp"
 #include "tests/support/random.hpp"
 
-namespace c3rt::wire {
+using namespace c3rt;
+using namespace c3rt::wire;
+namespace test = c3rt::wire::test;
+
 namespace {
 
 using support::Random;
@@ -294,4 +297,3 @@ TEST_CASE("validate: a header's sequence begins at 1 and its time is not far ahe
 }
 
 }  // namespace
-}  // namespace c3rt::wire

@@ -13,7 +13,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 using Eigen::Vector2d;
@@ -201,4 +203,3 @@ TEST_CASE("cart pole: parameters out of range are refused by name") {
 }
 
 }  // namespace
-}  // namespace c3rt::plant

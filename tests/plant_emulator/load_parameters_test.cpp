@@ -7,7 +7,9 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 const std::string kYaml = R"(table_height_m: -0.0245
@@ -199,4 +201,3 @@ TEST_CASE(
 }
 
 }  // namespace
-}  // namespace c3rt::plant

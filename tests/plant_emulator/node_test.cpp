@@ -7,7 +7,9 @@
 
 #include "tests/plant_emulator/parameters.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 constexpr double kExposureRate = 80.0;  // [1/s]
@@ -83,4 +85,3 @@ TEST_CASE("plant node: a reflex is counted once, and moving cycles in a row") {
 }
 
 }  // namespace
-}  // namespace c3rt::plant

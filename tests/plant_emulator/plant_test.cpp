@@ -10,7 +10,9 @@
 #include "tests/plant_emulator/parameters.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 void run(Plant& plant, int cycles) {
@@ -546,4 +548,3 @@ TEST_CASE("every error has its own name") {
 }
 
 }  // namespace
-}  // namespace c3rt::plant

@@ -16,7 +16,9 @@
 #include "plant_emulator/plant.hpp"
 #include "tests/support/child_process.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 const std::string kScenario =
@@ -257,4 +259,3 @@ TEST_CASE(
 }
 
 }  // namespace
-}  // namespace c3rt::plant

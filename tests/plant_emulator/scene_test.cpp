@@ -15,7 +15,9 @@
 #include "plant_emulator/plant.hpp"
 #include "tests/plant_emulator/parameters.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 constexpr int kWidth = 640;
@@ -224,4 +226,3 @@ TEST_CASE("a scene that cannot be is refused by name") {
 }
 
 }  // namespace
-}  // namespace c3rt::plant

@@ -7,7 +7,9 @@
 
 #include "tests/plant_emulator/parameters.hpp"
 
-namespace c3rt::plant {
+using namespace c3rt;
+using namespace c3rt::plant;
+
 namespace {
 
 Parameters two_balls(double first_spread, double second_spread) {
@@ -118,4 +120,3 @@ TEST_CASE("starts fill the rectangle of the spread and turn within the spread of
 }
 
 }  // namespace
-}  // namespace c3rt::plant

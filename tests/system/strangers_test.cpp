@@ -21,7 +21,8 @@
 #include "tests/idl/samples.hpp"
 #include "tests/support/child_process.hpp"
 
-namespace c3rt {
+using namespace c3rt;
+
 namespace {
 
 using wire::test::plain;
@@ -360,4 +361,3 @@ TEST_CASE("a lockstep run has the same bits among strangers") {
 }
 
 }  // namespace
-}  // namespace c3rt

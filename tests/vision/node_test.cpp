@@ -10,7 +10,9 @@
 
 #include "vision/service.hpp"
 
-namespace c3rt::vision {
+using namespace c3rt;
+using namespace c3rt::vision;
+
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -278,4 +280,3 @@ TEST_CASE("vision service: a camera of its own gives estimates on a bus that has
 }
 
 }  // namespace
-}  // namespace c3rt::vision

@@ -18,7 +18,8 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "tests/support/child_process.hpp"
 
-namespace c3rt::vision {
+using namespace c3rt;
+
 namespace {
 
 const std::string kSource = C3RT_SOURCE_DIRECTORY;
@@ -353,4 +354,3 @@ TEST_CASE("a scenario that asks for the impossible is refused before anything st
 }
 
 }  // namespace
-}  // namespace c3rt::vision

@@ -9,7 +9,10 @@
 #include "idl/security.hpp"
 #include "tests/cli/folder.hpp"
 
-namespace c3rt::cli::keys {
+using namespace c3rt;
+using namespace c3rt::cli;
+using namespace c3rt::cli::keys;
+
 namespace {
 namespace fs = std::filesystem;
 
@@ -161,5 +164,3 @@ TEST_CASE("keystore: keys are replaced only when that is asked for, and nothing 
   CHECK(fs::exists(store.path() / "thesis.txt"));
   CHECK_THROWS_AS(make(store.folder(), kDays, true, kNow), UsageError);
 }
-
-}  // namespace c3rt::cli::keys

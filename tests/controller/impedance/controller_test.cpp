@@ -11,7 +11,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/panda.hpp"
 
-namespace c3rt::impedance {
+using namespace c3rt;
+using namespace c3rt::impedance;
+
 namespace {
 
 using Eigen::Quaterniond;
@@ -787,4 +789,3 @@ TEST_CASE("controller: step does not allocate, in any mode") {
 }
 
 }  // namespace
-}  // namespace c3rt::impedance

@@ -8,7 +8,9 @@
 #include "tests/support/property.hpp"
 #include "tests/support/random.hpp"
 
-namespace c3rt::impedance {
+using namespace c3rt;
+using namespace c3rt::impedance;
+
 namespace {
 
 using Eigen::AngleAxisd;
@@ -159,5 +161,3 @@ TEST_CASE("knots: interpolate does not allocate") {
   }
   CHECK(heap_calls == 0);
 }
-
-}  // namespace c3rt::impedance

@@ -11,7 +11,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/panda.hpp"
 
-namespace c3rt::impedance {
+using namespace c3rt;
+using namespace c3rt::impedance;
+
 namespace {
 
 using Eigen::Quaterniond;
@@ -318,4 +320,3 @@ TEST_CASE("law: torque does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::impedance

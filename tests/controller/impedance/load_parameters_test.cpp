@@ -5,7 +5,9 @@
 
 #include <catch2/catch.hpp>
 
-namespace c3rt::impedance {
+using namespace c3rt;
+using namespace c3rt::impedance;
+
 namespace {
 
 constexpr char kScenario[] = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
@@ -62,4 +64,3 @@ TEST_CASE("impedance parameters: a key that nobody knows is refused") {
 }
 
 }  // namespace
-}  // namespace c3rt::impedance

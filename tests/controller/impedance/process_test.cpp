@@ -17,7 +17,8 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/panda.hpp"
 
-namespace c3rt::impedance {
+using namespace c3rt;
+
 namespace {
 
 using model::Vector7d;
@@ -204,4 +205,3 @@ TEST_CASE("c3rt-impedance: a missing robot model ends it with 2 before it joins 
 }
 
 }  // namespace
-}  // namespace c3rt::impedance

@@ -14,7 +14,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/panda.hpp"
 
-namespace c3rt::impedance {
+using namespace c3rt;
+using namespace c3rt::impedance;
+
 namespace {
 
 using wire::test::eventually;
@@ -277,4 +279,3 @@ TEST_CASE("service: every mode and verdict has its sentence") {
 }
 
 }  // namespace
-}  // namespace c3rt::impedance

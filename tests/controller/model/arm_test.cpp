@@ -10,7 +10,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/panda.hpp"
 
-namespace c3rt::model {
+using namespace c3rt;
+using namespace c3rt::model;
+
 namespace {
 
 using Eigen::Matrix3d;
@@ -247,4 +249,3 @@ TEST_CASE("arm: update does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::model

@@ -9,7 +9,9 @@
 #include "config/scenario.hpp"
 #include "idl/convert.hpp"
 
-namespace c3rt::planner {
+using namespace c3rt;
+using namespace c3rt::planner;
+
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -114,4 +116,3 @@ TEST_CASE("planner node: a fault makes the plan not finite, for the next reader 
 }
 
 }  // namespace
-}  // namespace c3rt::planner

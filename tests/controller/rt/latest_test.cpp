@@ -7,7 +7,9 @@
 
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::rt {
+using namespace c3rt;
+using namespace c3rt::rt;
+
 namespace {
 
 // large enough that a torn copy shows: every number of a value is the same
@@ -74,4 +76,3 @@ TEST_CASE("Latest: put and take do not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::rt

@@ -7,7 +7,9 @@
 
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::rt {
+using namespace c3rt;
+using namespace c3rt::rt;
+
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -71,4 +73,3 @@ TEST_CASE("PeriodicClock: wait does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::rt

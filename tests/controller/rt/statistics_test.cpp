@@ -11,7 +11,9 @@
 
 #include "tests/support/allocation_counter.hpp"
 
-namespace c3rt::rt {
+using namespace c3rt;
+using namespace c3rt::rt;
+
 namespace {
 
 // half a bucket: 1/64 of an octave's width, relative to its lower end, halved
@@ -96,4 +98,3 @@ TEST_CASE("Statistics: add does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::rt

@@ -6,7 +6,9 @@
 #include <pthread.h>
 #include <sched.h>
 
-namespace c3rt::rt {
+using namespace c3rt;
+using namespace c3rt::rt;
+
 namespace {
 
 // in a thread of its own, so that the test's own thread stays ordinary
@@ -64,4 +66,3 @@ TEST_CASE("setup_thread: the thread is where it was asked to be, unless that was
 }
 
 }  // namespace
-}  // namespace c3rt::rt

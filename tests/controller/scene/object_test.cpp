@@ -2,7 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-namespace c3rt::scene {
+using namespace c3rt;
+using namespace c3rt::scene;
+
 namespace {
 
 /// Inertia of even density by summing points of a grid.
@@ -43,4 +45,3 @@ TEST_CASE("solid: a shape whose inertia is not known is refused") {
 }
 
 }  // namespace
-}  // namespace c3rt::scene

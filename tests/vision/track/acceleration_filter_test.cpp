@@ -8,7 +8,9 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random.hpp"
 
-namespace c3rt::vision {
+using namespace c3rt;
+using namespace c3rt::vision;
+
 namespace {
 
 constexpr double kPeriod = 1.0 / 80.0;
@@ -131,4 +133,3 @@ TEST_CASE("observing does not allocate") {
 }
 
 }  // namespace
-}  // namespace c3rt::vision
