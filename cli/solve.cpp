@@ -5,15 +5,14 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "cli/monolithic.hpp"
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "config/problem_file.hpp"
-#include "controller/horizon/search.hpp"
 #include "controller/rt/worker_pool.hpp"
 #include "idl/process.hpp"
 
@@ -23,7 +22,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kFirstNote(2), kNoteEvery(10);
-constexpr double kGap = 1e-7;  // of the search of (15)
 
 /// Ends a solve at its deadline or at Ctrl-C, and says that it still works where it takes long.
 struct Watch {
@@ -92,48 +90,11 @@ struct Answer {
   int exit_status;
 };
 
-/// (15) by the exact search over the horizon; big-M has no part in it.
-Answer solve_monolithic(const config::ProblemFile& problem, const c3::Deadline& deadline) {
-  const Clock::time_point start = Clock::now();
-  const horizon::SearchResult found =
-      horizon::search({problem.sizes,
-                       {problem.lcs.data(), problem.lcs.size() == 1 ? 0 : 1},
-                       &problem.costs,
-                       &problem.constraints,
-                       problem.x_desired,
-                       problem.x0},
-                      {std::numeric_limits<long>::max(), kGap}, {}, deadline);
-  const double solve_time_s = std::chrono::duration<double>(Clock::now() - start).count();
-  const c3::Sizes& s = problem.sizes;
-  config::ProblemResult result{"",
-                               Eigen::MatrixXd::Zero(s.n_x, s.N + 1),
-                               Eigen::MatrixXd::Zero(s.n_lambda, s.N),
-                               Eigen::MatrixXd::Zero(s.n_u, s.N),
-                               0.0,
-                               0.0,
-                               static_cast<int>(found.nodes),
-                               solve_time_s,
-                               "",
-                               {},
-                               {},
-                               {}};
-  if (found.plan) {
-    result.status = found.is_proven() ? "ok" : "truncated";
-    result.x = found.plan->x;
-    result.lambda = found.plan->lambda;
-    result.u = found.plan->u;
-    result.objective = found.plan->objective;
-    result.complementarity_violation = found.plan->complementarity_violation;
-    result.note = horizon::describe(found);
-    result.gap = found.gap;
-    result.lower_bound = found.lower_bound;
-  } else {
-    result.status = "fail: " + horizon::describe(found);
-  }
-  const bool decided = found.plan || found.status == horizon::SearchStatus::kInfeasible;
-  const int none = decided ? kCriterionFailed : kUndecided;
-  return {result, config::to_json(problem, result, {}), found.plan.has_value(),
-          found.plan ? kDone : none};
+Answer solve_15(const config::ProblemFile& problem, const c3::Deadline& deadline) {
+  const MonolithicAnswer answer = solve_monolithic(problem, deadline);
+  const int none = answer.decided ? kCriterionFailed : kUndecided;
+  return {answer.result, config::to_json(problem, answer.result, {}), answer.found,
+          answer.found ? kDone : none};
 }
 
 Answer solve_c3(const config::ProblemFile& problem, const c3::Deadline& deadline) {
@@ -168,9 +129,8 @@ int solve(const std::string& path, const std::string& out) {
                           std::chrono::duration<double>(std::min(*problem.deadline_s, 1e6)));
   }
   const c3::Deadline deadline{&Watch::reached, &watch};
-  const Answer answer = problem.method == config::Method::kMiqp15
-                            ? solve_monolithic(problem, deadline)
-                            : solve_c3(problem, deadline);
+  const Answer answer = problem.method == config::Method::kMiqp15 ? solve_15(problem, deadline)
+                                                                  : solve_c3(problem, deadline);
   write(answer.json, out);
   print_summary(answer.result, answer.found);
   return answer.exit_status;

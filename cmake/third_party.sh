@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fetches, checks, unpacks and builds the pinned source releases of OSQP and Pinocchio under build/third_party, and
-# installs the Python package that a test of the bus needs there.
+# installs the packages of Python that tests need there.
 # Nothing of them is committed; a second run finds the stamps and does nothing.
 #
 #   cmake/third_party.sh [DIRECTORY]        default: build/third_party
@@ -87,21 +87,32 @@ if [[ ! -f $pinocchio_stamp ]]; then
   cp -r "$directory/pinocchio/models/example-robot-data/robots/panda_description/." "$prefix/share/panda_description/"
   touch "$pinocchio_stamp"
 fi
-# What the test of a client in Python needs; nothing else here does, so without it that test is skipped.
-python_stamp=$directory/python/.cyclonedds-11.0.1
+# Packages of Python, of which each version is one file: cyclonedds for the test of a client in Python, the others to build and
+# test python/. Nothing else here needs them; without them those tests are skipped and the extension is left out.
+python_packages="
+cyclonedds==11.0.1 --hash=sha256:dce635041d42e954a5fec187dabf99d4b36c9daa54cc97d6d2238985e3ef6101
+nanobind==3.1.0 --hash=sha256:96984dbe8154ffb86e653b1b60aaeed6985c710c5e75ad0279eb87943c66292d
+scikit-build-core==1.1.2 --hash=sha256:7f4f959a467692db50bdd1ea7ce1507f2c7972e6023b753ee302d169bc4cec85
+packaging==26.4 --hash=sha256:81383611a09c1bc0b08b76e0fd5829d7c6824c65b27a6aee339da133f4233ea2
+pathspec==1.1.1 --hash=sha256:a00ce642f577bf7f473932318056212bc4f8bfdf53128c78bbd5af0b9b20b189
+numpy==2.4.6 --hash=sha256:89cd468399cfd2504718f0ba50e410dca55a170b61a02ad92bb18c8a65186e93
+pytest==9.2.0 --hash=sha256:07acdcf88ec174f907dc01af70bf52d49b014bbab03faeeade31c96b18c2e588
+iniconfig==2.3.1 --hash=sha256:9121e2c1fdb355232495be3194c8dfe87ccc2d5dee45947b78e68f499790d7a7
+pluggy==1.7.0 --hash=sha256:7dd7b0d8832ba3cb632c306926ded123429211b83641b35dc5c41ad2d34f9bec
+pygments==2.21.0 --hash=sha256:2363c69b61c4a97c838da3b130dcd6468f4848992b21a82f2a63ec34377137d9
+"
+# another list is another stamp; what is there already stays
+python_stamp=$directory/python/.packages-$(sha256sum <<<"$python_packages" | cut -c1-16)
 if [[ ! -f $python_stamp ]]; then
-  say "installing the Python package cyclonedds 11.0.1 into a virtual environment"
-  rm -rf "$directory/python"
-  # the wheel of Debian 12's Python 3.11
-  wheel='cyclonedds==11.0.1 --hash=sha256:dce635041d42e954a5fec187dabf99d4b36c9daa54cc97d6d2238985e3ef6101'
+  say "installing packages of Python into a virtual environment"
+  # cyclonedds and numpy: the wheels of Debian 12's Python 3.11
   if /usr/bin/python3 -m venv "$directory/python" &&
-    "$directory/python/bin/pip" --quiet install --no-deps --only-binary :all: --require-hashes \
-      --requirement <(printf '%s\n' "$wheel") >"$directory/python.log" 2>&1; then
+    "$directory/python/bin/python" -m pip --quiet install --no-deps --only-binary :all: --require-hashes \
+      --requirement <(printf '%s' "$python_packages") >"$directory/python.log" 2>&1; then
     touch "$python_stamp"
   else
     tail -n 3 "$directory/python.log" >&2 || true
-    rm -rf "$directory/python"
-    say "the Python package cyclonedds 11.0.1 could not be had: the test idl/python_client will be skipped"
+    say "the packages of Python could not be had: the tests idl/python_client and python/library will be skipped"
   fi
 fi
 say "ready in $prefix"

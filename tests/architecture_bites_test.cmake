@@ -4,7 +4,7 @@
 cmake_minimum_required(VERSION 3.20)
 
 file(REMOVE_RECURSE ${SCRATCH})
-foreach(room config controller vision plant_emulator idl cli)
+foreach(room config controller vision plant_emulator idl cli python)
   file(COPY ${ROOT}/${room} DESTINATION ${SCRATCH} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.cpp")
 endforeach()
 
@@ -16,6 +16,8 @@ set(planted
   "controller/planner/planted.cpp|#include \"idl/topics.hpp\""            # the bus
   "config/planted.cpp|#include \"controller/c3/problem.hpp\""             # the bottom of config
   "controller/model/planted.cpp|#include <pinocchio/fwd.hpp>"             # somebody else's library
+  "python/src/planted.cpp|#include \"idl/topics.hpp\""                   # the bus, of which the package has nothing
+  "cli/planted.cpp|#include <nanobind/nanobind.h>"                        # Python's library
   "cli/report/planted.cpp|#include <dds/dds.h>"                           # the bus's library
   "controller/newcomer/planted.cpp|#include <vector>")                    # a room without a row
 foreach(plant ${planted})

@@ -58,6 +58,7 @@ may(cli/doctor cli cli/keys config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
 may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
+may(python cli config controller/rt controller/lcs controller/c3)
 
 # a room's loader reads its section of the scenario
 files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controller/model controller/mjcf)
@@ -84,10 +85,10 @@ set(impure_files "/load_[a-z_]+[.][ch]pp$|_main[.]cpp$|/service[.]|/servo[.]")
 set(impure "<dds/|yaml-cpp|<iostream>|<fstream>|<thread>|<chrono>|<mutex>|spdlog|mujoco")
 
 # Third-party libraries have one owner each.
-set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/" "<apriltag/" "<openssl/")
+set(owned "<pinocchio/" "[<\"]osqp" "[<\"](Bon|Cbc|Coin|Ip)[A-Z]" "<dds/" "yaml-cpp" "<mujoco/" "<GL/" "CLI/" "<apriltag/" "<openssl/" "<nanobind/")
 set(owners "^controller/model/arm[.]cpp" "^controller/qp/osqp_qp[.]cpp" "^controller/miqp/bonmin[.]cpp" "^idl/" "^config/"
     "^plant_emulator/|^vision/virtual_cameras[.]|^controller/mjcf/" "^vision/virtual_cameras[.]" "^cli/|^config/process_options[.]" "^vision/apriltag[.]cpp"
-    "^cli/keys/crypto[.]cpp")
+    "^cli/keys/crypto[.]cpp" "^python/")
 
 # The room of a path: its longest folder that has a row.
 function(room_of path out)
@@ -106,7 +107,7 @@ endfunction()
 foreach(room ${rooms})
   set(files_in_${room} 0)
 endforeach()
-foreach(top controller vision plant_emulator idl config cli)
+foreach(top controller vision plant_emulator idl config cli python)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${top}/*.hpp ${ROOT}/${top}/*.cpp)
   foreach(file ${files})
     room_of(${file} room)

@@ -1,0 +1,20 @@
+"""Contact-implicit model predictive control: linear complementarity systems and C3.
+
+Arrays have the stages first: x is (N + 1, n_x), u (N, n_u), lam (N, n_lambda). What comes in may have any strides; what
+comes out shows the memory of the object that it belongs to and cannot be written to. SI units throughout.
+"""
+
+from ._core import LCS, Iterate, Problem, Projected, Result, Simulation, Solver, load_problem, projections, simulate
+
+__all__ = [
+    "LCS",
+    "Iterate",
+    "Problem",
+    "Projected",
+    "Result",
+    "Simulation",
+    "Solver",
+    "load_problem",
+    "projections",
+    "simulate",
+]

@@ -1,0 +1,10 @@
+#pragma once
+// The parts of the extension; module.cpp puts them together.
+#include <nanobind/nanobind.h>
+
+namespace c3rt::python {
+
+void bind_lcs(nanobind::module_& module);
+void bind_problem(nanobind::module_& module);
+
+}  // namespace c3rt::python

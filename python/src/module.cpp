@@ -1,0 +1,18 @@
+// The extension c3rt._core: what Python sees of the libraries.
+#include <exception>
+
+#include "config/config_error.hpp"
+#include "python/src/bind.hpp"
+
+NB_MODULE(_core, module) {
+  module.doc() = "The libraries of c3rt; import c3rt instead.";
+  nanobind::register_exception_translator([](const std::exception_ptr& thrown, void* /*unused*/) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const c3rt::config::ConfigError& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    }
+  });
+  c3rt::python::bind_lcs(module);
+  c3rt::python::bind_problem(module);
+}
