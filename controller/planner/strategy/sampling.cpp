@@ -90,6 +90,7 @@ class Sampling final : public Strategy {
     rules_.column = kColumn;
     rules_.reach = {of_.reach_min, of_.reach_max};
     rules_.reach_radius = of_.reach_radius;
+    rules_.radian = kRadian;
     c3.start_from_free_gaps(kFree);
     // one for where the end effector is or goes to, and one for each place that is drawn
     for (int i = 0; i <= std::max(of_.samples, of_.samples_to_choose); ++i) {
@@ -369,6 +370,7 @@ class Sampling final : public Strategy {
       const double turned = std::clamp(turn, -of_.look_ahead_angle, of_.look_ahead_angle);
       const Eigen::AngleAxisd about_z(turned, Eigen::Vector3d::UnitZ());
       there.q_WB = Eigen::Quaterniond(about_z) * Eigen::Quaterniond(body.q_WB);
+      moves_wanted_[static_cast<std::size_t>(i)] << ahead(way) * way, kRadian * turned;
       gains_[static_cast<std::size_t>(i)] = gain_near_goal(way.norm(), turn);
       if (i == state_.body) decision_.body_target << goal.at, body.p_WB.z();
     }
@@ -426,6 +428,7 @@ class Sampling final : public Strategy {
     if (other != nullptr) tried_.push_back({*other, {}, s.body});
     for (int i = 0; i < count; ++i, ++s.drawn) {
       const int body = bodies[static_cast<std::size_t>(s.drawn) % bodies.size()];
+      rules_.wanted = moves_wanted_[static_cast<std::size_t>(body)];
       const auto place = surface_sample(now.scene, body, rules_, s.random);
       if (place) tried_.push_back({*place, {}, body});
     }
@@ -506,6 +509,7 @@ class Sampling final : public Strategy {
   std::vector<Due> goals_;
   std::vector<int> work_;
   scene::Scene wanted_;
+  std::array<Eigen::Vector3d, scene::kMaxBodies> moves_wanted_{};  // SampleRules::wanted of each
   std::array<double, scene::kMaxBodies> gains_{};
   // costs by the bodies that the model has
   std::vector<std::pair<std::array<int, scene::kMaxBodies>, c3::Costs>> prepared_;

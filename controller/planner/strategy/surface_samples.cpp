@@ -11,6 +11,20 @@ constexpr int kTries = 12;            // points
 constexpr int kMoves = 12;            // of a point
 constexpr double kExact = 5e-4;       // of the clearance [m]
 constexpr double kColumnStep = 0.01;  // [m]
+// How often a place is taken from which a push does nothing that is wanted, or the contrary: a plan
+// may know better.
+constexpr double kLeastTaken = 0.5;
+// A body that slides on its whole face turns about a push that passes its middle at this part of
+// its outer radius as fast, seen from there, as it moves.
+constexpr double kTurningRadius = 0.6;
+
+/// From 1, as wanted, to -1: how a body would move that is pushed along the table.
+/// @param lever of the push about the body's middle, in units of its turning radius
+double serves(const SampleRules& rules, const Eigen::Vector2d& push, double lever,
+              double turning_radius) {
+  const Eigen::Vector3d moves(push.x(), push.y(), rules.radian * lever / turning_radius);
+  return moves.normalized().dot(rules.wanted.normalized());
+}
 
 }  // namespace
 
@@ -61,13 +75,17 @@ std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int bod
     round = std::max(round, extent(of, {std::cos(angle), std::sin(angle), 0.0}));
   }
   scene::Effector effector = scene.effector;
+  const bool all_alike = rules.wanted.isZero();
+  std::optional<Eigen::Vector3d> passed_over;
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    // always two numbers a try, so that a point does not depend on what became of others
+    // always as many numbers a try, so that a point does not depend on what became of others
+    const double taken = all_alike ? 0.0 : random.uniform();
     const double far = std::sqrt(random.uniform()), angle = 2.0 * M_PI * random.uniform();
     const Eigen::Vector2d about(std::cos(angle), std::sin(angle));
     const double radius = far * (round + rules.clearance + effector.radius);
     effector.p_WE << of.p_WB.head<2>() + radius * about, rules.height;
     bool there = false;
+    Eigen::Vector2d away = about;
     for (int move = 0; move < kMoves && !there; ++move) {
       const scene::Gap gap = scene::gap(effector, of);
       const double too_far = gap.distance - rules.clearance;
@@ -76,12 +94,20 @@ std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int bod
       // below a face that lies flat: outwards
       out = out.norm() < kLeastAlongTable ? about : Eigen::Vector2d(out.normalized());
       if (!there) effector.p_WE.head<2>() -= too_far * out;
+      away = out;
     }
     const Eigen::Vector2d at = effector.p_WE.head<2>();
     if (!there || !rules.reach.contains(at) || at.norm() > rules.reach_radius) continue;
-    if (column_is_free(scene, rules, effector.p_WE)) return effector.p_WE;
+    if (!column_is_free(scene, rules, effector.p_WE)) continue;
+    const Eigen::Vector2d touches =
+        at - (rules.clearance + effector.radius) * away - of.p_WB.head<2>();
+    const double turning_radius = kTurningRadius * round;
+    const double lever = (touches.y() * away.x() - touches.x() * away.y()) / turning_radius;
+    const double serving = all_alike ? 1.0 : serves(rules, -away, lever, turning_radius);
+    if (taken <= kLeastTaken + (1.0 - kLeastTaken) * std::max(0.0, serving)) return effector.p_WE;
+    passed_over = effector.p_WE;
   }
-  return std::nullopt;
+  return passed_over;
 }
 
 }  // namespace c3rt::planner

@@ -17,6 +17,10 @@ struct SampleRules {
   Eigen::AlignedBox2d reach;  // of the end effector, in W [m]
   // and how far from the robot's base: a stretched arm turns its joints fast for a short way [m]
   double reach_radius = std::numeric_limits<double>::infinity();
+  // How the body is wanted to move: along x and y of W [m], and about z by an angle times
+  // `radian` [m]. What a push does for that decides how often its place is drawn; zero: all alike.
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+  double radian = 0.0;  // a radian counts as this [m]
 };
 
 /// Of a normal along the table: one that looks further up or down moves nothing.
@@ -37,8 +41,8 @@ bool column_is_free(const scene::Scene& scene, const SampleRules& rules,
                     const Eigen::Vector3d& place) noexcept;
 
 /// A random point about the body, moved to the clearance of its surface. Points all over the disc
-/// that holds the body fall on its faces rather than on its corners. None if no point of a few
-/// tries can be used.
+/// that holds the body fall on its faces rather than on its corners, and those are taken more often
+/// from which a push moves it as it is wanted. None if no point of a few tries can be used.
 std::optional<Eigen::Vector3d> surface_sample(const scene::Scene& scene, int body,
                                               const SampleRules& rules,
                                               base::Random& random) noexcept;

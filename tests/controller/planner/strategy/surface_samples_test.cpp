@@ -65,6 +65,44 @@ TEST_CASE("samples: a seed decides them") {
   CHECK(*a != *c);
 }
 
+TEST_CASE("samples: a place is drawn the more often, the more a push from it does what is wanted") {
+  // places beside the faces across x: how many from where a push goes along +x and along -x, and of
+  // those near a face's end how many from where it turns the box to the left and to the right
+  struct Counts {
+    int forth = 0, back = 0, left = 0, right = 0;
+  };
+  const auto draw = [](const Vector3d& wanted) {
+    base::Random random(3);
+    const scene::Scene scene = scene_of(0.0);
+    SampleRules drawn = rules();
+    drawn.wanted = wanted;
+    drawn.radian = 0.07;
+    Counts counts;
+    for (int i = 0; i < 4000; ++i) {
+      const Vector3d at = *surface_sample(scene, 0, drawn, random) - scene.body(0).p_WB;
+      if (std::abs(at.y()) > kHalf.y()) continue;
+      ++(at.x() < 0.0 ? counts.forth : counts.back);
+      if (std::abs(at.y()) > 0.02) ++(at.x() * at.y() > 0.0 ? counts.left : counts.right);
+    }
+    return counts;
+  };
+  const Counts alike = draw(Vector3d::Zero());
+  CHECK(alike.forth == Approx(alike.back).epsilon(0.1));
+  CHECK(alike.left == Approx(alike.right).epsilon(0.1));
+  // at most twice as often, as a plan may know better
+  const Counts forth = draw({0.1, 0.0, 0.0});
+  CHECK(forth.forth > 1.5 * forth.back);
+  CHECK(forth.forth < 2.0 * forth.back);
+  CHECK(forth.left == Approx(forth.right).epsilon(0.15));
+  const Counts back = draw({-0.1, 0.0, 0.0});
+  CHECK(back.back > 1.5 * back.forth);
+  const Counts left = draw({0.0, 0.0, 0.1});
+  CHECK(left.forth == Approx(left.back).epsilon(0.1));
+  CHECK(left.left > 1.2 * left.right);
+  const Counts right = draw({0.0, 0.0, -0.1});
+  CHECK(right.right > 1.2 * right.left);
+}
+
 TEST_CASE("samples: none out of reach, and none that the end effector cannot come down to") {
   base::Random random(2);
   scene::Scene scene = scene_of(0.0);
