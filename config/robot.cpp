@@ -10,6 +10,30 @@ namespace {
 constexpr const char* kDefault = "panda";
 constexpr Range kAngle{-2 * M_PI, 2 * M_PI};
 
+Robot::Thresholds read_thresholds(Section section) {
+  constexpr Range kAny{0.0, 1e6};
+  Robot::Thresholds thresholds;
+  thresholds.contact_torque = section.numbers("contact_torque_nm", 7, kAny);
+  thresholds.collision_torque = section.numbers("collision_torque_nm", 7, kAny);
+  thresholds.contact_force = section.numbers("contact_force_n", 6, kAny);
+  thresholds.collision_force = section.numbers("collision_force_n", 6, kAny);
+  return thresholds;
+}
+
+Robot::Safety read_safety(Section section) {
+  Robot::Safety safety;
+  safety.velocity_max = section.number("velocity_max_m_per_s", {0.01, 100});
+  safety.angular_velocity_max = section.number("angular_velocity_max_rad_per_s", {0.01, 100});
+  safety.power_max = section.number("power_max_w", {1, 1e6});
+  safety.tau_sensor_max = section.numbers("tau_sensor_max_nm", 7, {0.1, 1e4});
+  safety.clearance_min = section.number("clearance_min_m", {-1, 1});
+  safety.nominal = read_thresholds(section.section("nominal"));
+  safety.acceleration = section.has("acceleration")
+                            ? read_thresholds(section.section("acceleration"))
+                            : safety.nominal;
+  return safety;
+}
+
 Robot read(Section& section) {
   Robot robot{};
   robot.urdf = section.text("urdf");
@@ -22,6 +46,7 @@ Robot read(Section& section) {
   robot.dq_max = joints.numbers("dq_max_rad_per_s", 7, {0.01, 10});
   robot.tau_max = joints.numbers("tau_max_nm", 7, {0.1, 1000});
   robot.tau_rate_max = joints.number("tau_rate_max_nm_per_s", {1, 1e5});
+  if (section.has("safety")) robot.safety = read_safety(section.section("safety"));
   Section tool = section.section("end_effector");
   robot.end_effector.mass = tool.number("mass_kg", {1e-3, 20});
   robot.end_effector.center_of_mass = tool.number("center_of_mass_m", {0, 1});

@@ -1,6 +1,7 @@
 #pragma once
 // The robot's description (config/robots), read by the arm's model, the impedance controller and
 // the plant.
+#include <optional>
 #include <string>
 
 #include "config/section.hpp"
@@ -17,6 +18,22 @@ struct Robot {
   Vector7d dq_max;        // [rad/s]
   Vector7d tau_max;       // [N m]
   double tau_rate_max;    // [N m/s]
+  /// From which torque or force on a contact is told, and from which on a collision stops the
+  /// robot; forces along and torques about the end effector's axes [N m, N].
+  struct Thresholds {
+    Vector7d contact_torque, collision_torque;
+    Eigen::Matrix<double, 6, 1> contact_force, collision_force;
+  };
+  /// What else it stops for; nothing where its description does not say so.
+  struct Safety {
+    double velocity_max;          // of the end effector [m/s]
+    double angular_velocity_max;  // [rad/s]
+    double power_max;             // mechanical, of all joints [W]
+    Vector7d tau_sensor_max;      // gravity included [N m]
+    double clearance_min;         // between forearm or wrist and base or shoulder [m]
+    Thresholds nominal, acceleration;
+  };
+  std::optional<Safety> safety;
   /// Bolted to the flange, everything along its z.
   struct EndEffector {
     double mass;            // [kg]

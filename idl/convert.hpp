@@ -241,6 +241,7 @@ c3rt_v2_RobotMode robot_mode(Mode mode) noexcept {
     case Mode::kReflex:
       return c3rt_v2_ROBOT_REFLEX;
     case Mode::kUserStopped:
+    case Mode::kGuiding:  // of a person, too: robot/contact tells them apart
       return c3rt_v2_ROBOT_USER_STOPPED;
   }
   return c3rt_v2_ROBOT_REFLEX;

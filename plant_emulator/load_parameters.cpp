@@ -147,9 +147,26 @@ JointLimits limits_of(const config::Robot& robot) {
   return {robot.q_min, robot.q_max, robot.dq_max, robot.tau_max, robot.tau_rate_max};
 }
 
+Safety safety_of(const config::Robot& robot) {
+  Safety safety;
+  if (!robot.safety) return safety;
+  const config::Robot::Safety& from = *robot.safety;
+  const auto thresholds = [](const config::Robot::Thresholds& t) {
+    return Thresholds{t.contact_torque, t.collision_torque, t.contact_force, t.collision_force};
+  };
+  safety.velocity_max = from.velocity_max;
+  safety.angular_velocity_max = from.angular_velocity_max;
+  safety.power_max = from.power_max;
+  safety.tau_sensor_max = from.tau_sensor_max;
+  safety.clearance_min = from.clearance_min;
+  safety.collision = {thresholds(from.acceleration), thresholds(from.nominal)};
+  return safety;
+}
+
 Parameters load_parameters(config::Section section, const config::Robot& robot) {
   Parameters p{};
   p.limits = limits_of(robot);
+  p.safety = safety_of(robot);
   p.world.end_effector = end_effector_of(robot);
   p.world.table_height = section.number("table_height_m", {-0.5, 0.5});
   p.world.table_tilt = section.numbers("table_tilt_rad", 2, {-0.3, 0.3});
@@ -178,6 +195,13 @@ Parameters load_parameters(config::Section section, const config::Robot& robot) 
                    std::to_string(p.initial_q[i]));
   }
   load_objects(section, p.world, of_objects);
+  if (section.has("walls_min_m") || section.has("walls_max_m")) {
+    p.walls = VirtualWalls{section.numbers("walls_min_m", 3, {-2, 2}),
+                           section.numbers("walls_max_m", 3, {-2, 2})};
+    if ((p.walls->min.array() >= p.walls->max.array()).any())
+      section.fail("walls_max_m", "every entry above that of walls_min_m", "one that is not");
+  }
+  if (section.has("torque_jump_stops")) p.torque_jump_stops = section.boolean("torque_jump_stops");
   if (section.has("pushes")) p.pushes = load_pushes(section.section("pushes"));
   section.finish();
   return p;

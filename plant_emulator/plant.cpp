@@ -1,7 +1,9 @@
 #include "plant_emulator/plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace c3rt::plant {
 namespace {
@@ -13,6 +15,17 @@ const Vector7d kBrakeDamping =
 const Vector7d kHoldStiffness =
     (Vector7d() << 600, 600, 600, 600, 250, 150, 50).finished();  // [N m/rad]
 constexpr double kRestVelocity = 0.02;                            // [rad/s]
+constexpr double kGuideDamping = 0.2;  // of the brake's, while a person leads the arm
+
+constexpr double kLedOutwards = 0.05;  // a joint that shakes in a hand is not led [rad/s]
+
+/// How much of the brake is engaged.
+double brake_share(Mode mode) noexcept {
+  return mode == Mode::kMove ? 0.0 : mode == Mode::kGuiding ? kGuideDamping : 1.0;
+}
+
+// links whose capsules may not come near each other; those between are their neighbours
+constexpr int kShoulder = 2, kForearm = 5;
 
 // A hand that holds an object: on a table that is tilted by 1 degree a sphere creeps 0.02 mm/s. It
 // lets go when the end effector is this close to touching.
@@ -33,6 +46,9 @@ Plant::Plant(const Parameters& parameters)
       substeps_(static_cast<int>(std::lround(kCycle / parameters.world.step))),
       site_(mj_name2id(model_.get(), mjOBJ_SITE, "end_effector")),
       jacobian_(3, model_->nv),
+      turning_jacobian_(3, model_->nv),
+      velocity_change_(Eigen::VectorXd::Zero(model_->nv)),
+      inertia_torque_(Eigen::VectorXd::Zero(model_->nv)),
       hold_q_(parameters.initial_q) {
   if (!divides_cycle(parameters.world.step))
     throw std::invalid_argument("plant: step must divide 0.001 s");
@@ -45,6 +61,7 @@ Plant::Plant(const Parameters& parameters)
   arm_bodies_.back() = mj_name2id(model_.get(), mjOBJ_BODY, "end_effector");
   Eigen::Map<Vector7d>(data_->qpos) = parameters.initial_q;
   Eigen::Map<Vector7d>(model_->dof_damping) += kBrakeDamping;
+  find_arm_capsules();
   state_.object_count = static_cast<int>(parameters.world.objects.size());
   for (std::size_t i = 0; i < parameters.world.objects.size(); ++i) {
     const ObjectParameters& object = parameters_.world.objects[i];
@@ -56,16 +73,18 @@ Plant::Plant(const Parameters& parameters)
   }
   mj_step1(model_.get(),
            data_.get());  // kept between cycles: everything that depends on position and velocity
+  gravity_ = gravity_torque();
   read();
 }
 
 void Plant::set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t state_ns) noexcept {
   if (state_.time < drop_until_ || seq == newest_seq_) return;
   newest_seq_ = seq;
-  if (!tau.allFinite()) {
-    events_.errors |= bit(Error::kCommandNotFinite);
-    return;
+  for (int i = 0; i < kJoints; ++i) {
+    if (!std::isfinite(tau[i]))
+      find({Error::kCommandNotFinite, i + 1, tau[i], parameters_.limits.tau_max[i], "N m"});
   }
+  if (!tau.allFinite()) return;
   command_ = tau;
   newest_state_ns_ = state_ns;
   events_.command = true;
@@ -98,15 +117,91 @@ void Plant::let_go() noexcept {
   }
 }
 
-Errors Plant::limits_violated() const noexcept {
-  Errors errors = 0;
+bool Plant::set_collision_behavior(const CollisionBehavior& behavior) noexcept {
+  if (mode_.mode == Mode::kMove) return false;
+  parameters_.safety.collision = behavior;
+  return true;
+}
+
+void Plant::pull(const Eigen::Vector3d& force, double duration) noexcept {
+  if (!force.allFinite()) return;
+  pull_ = force;
+  pull_until_ = state_.time + duration;
+}
+
+void Plant::find_arm_capsules() {
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    const int body = model_->geom_bodyid[geom];
+    const bool capsule = model_->geom_type[geom] == mjGEOM_CAPSULE;
+    const bool of_arm = capsule && model_->geom_group[geom] == kGroupArmPrimitives;
+    for (int link = 0; link <= kJoints; ++link) {
+      const int link_body = link == 0 ? model_->body_parentid[arm_bodies_[0]]
+                                      : arm_bodies_[static_cast<std::size_t>(link) - 1];
+      if (!of_arm || body != link_body) continue;
+      if (link <= kShoulder) near_.push_back(geom);
+      if (link >= kForearm) far_.push_back(geom);
+    }
+  }
+}
+
+double Plant::clearance() const noexcept {
+  const auto end = [this](int geom, double side) -> Eigen::Vector3d {
+    using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    return Eigen::Map<const Eigen::Vector3d>(data_->geom_xpos + 3 * geom) +
+           side * model_->geom_size[3 * geom + 1] *
+               Eigen::Map<const Rotation>(data_->geom_xmat + 9 * geom).col(2);
+  };
+  double least = kNoLimit;
+  for (const int a : near_) {
+    for (const int b : far_) {
+      const double distance =
+          segment_distance(end(a, -1.0), end(a, 1.0), end(b, -1.0), end(b, 1.0));
+      least = std::min(least, distance - model_->geom_size[3 * a] - model_->geom_size[3 * b]);
+    }
+  }
+  return least;
+}
+
+void Plant::find(const Cause& cause) noexcept {
+  if (events_.errors == 0) found_ = cause;
+  events_.errors |= bit(cause.error);
+}
+
+Measured Plant::measured() const noexcept {
+  Measured measured;
+  measured.q = state_.q;
+  measured.dq = state_.dq;
+  measured.tau = state_.tau;
+  measured.tau_sensor = state_.tau + gravity_;
+  measured.p_WE = state_.p_WE;
+  measured.V_WE = J_WE_ * state_.dq;
+  measured.clearance = clearance();
+  return measured;
+}
+
+void Plant::judge() noexcept {
+  Findings findings;
+  judge_limits(measured(), parameters_, findings);
+  judge_contacts(state_.external, parameters_.safety.collision, state_.contacts, findings);
+  if (parameters_.torque_jump_stops && events_.command)
+    judge_torque_step(state_.tau, command_, parameters_.limits.tau_rate_max, kCycle, findings);
+  if (!events_.command && lost_in_a_row_ + 1 >= kLostCommandsMax)
+    findings.add({Error::kCommunicationConstraintsViolation, 0,
+                  static_cast<double>(lost_in_a_row_ + 1), static_cast<double>(kLostCommandsMax),
+                  "commands lost in a row"});
+  if (findings.errors == 0) return;
+  if (events_.errors == 0) found_ = findings.first;
+  events_.errors |= findings.errors;
+}
+
+void Plant::judge_guiding() noexcept {
   const JointLimits& limits = parameters_.limits;
-  if ((state_.q.array() < limits.q_min.array()).any() ||
-      (state_.q.array() > limits.q_max.array()).any())
-    errors |= bit(Error::kJointPositionLimitsViolation);
-  if ((state_.dq.array().abs() > limits.dq_max.array()).any())
-    errors |= bit(Error::kJointVelocityViolation);
-  return errors;
+  for (int i = 0; i < kJoints; ++i) {
+    const double q = state_.q[i], dq = state_.dq[i];
+    if ((q > limits.q_max[i] && dq > kLedOutwards) || (q < limits.q_min[i] && dq < -kLedOutwards))
+      find({Error::kJointMoveInWrongDirection, i + 1, q,
+            q > limits.q_max[i] ? limits.q_max[i] : limits.q_min[i], "rad"});
+  }
 }
 
 void Plant::count_command(bool received) noexcept {
@@ -128,30 +223,30 @@ bool Plant::commands_are_back() noexcept {
 }
 
 void Plant::enter(ModeState next_mode) noexcept {
-  const bool was_braked = mode_.mode != Mode::kMove;
-  const bool braked = next_mode.mode != Mode::kMove;
-  if (was_braked && !braked) {
-    Eigen::Map<Vector7d>(model_->dof_damping) -= kBrakeDamping;
+  const double change = brake_share(next_mode.mode) - brake_share(mode_.mode);
+  if (change != 0.0) Eigen::Map<Vector7d>(model_->dof_damping) += change * kBrakeDamping;
+  if (change > 0.0) holding_ = false;
+  if (mode_.mode != Mode::kMove && next_mode.mode == Mode::kMove) {
     received_.reset();
     window_ = window_at_ = lost_in_a_row_ = 0;
-  } else if (!was_braked && braked) {
-    Eigen::Map<Vector7d>(model_->dof_damping) += kBrakeDamping;
-    holding_ = false;
+  }
+  const bool stopped_now = mode_.errors == 0 || mode_.mode == Mode::kGuiding;
+  if (stopped_now && next_mode.mode == Mode::kReflex && events_.errors != 0) state_.cause = found_;
+  if (next_mode.errors == 0) {
+    state_.cause = {};
+    if (mode_.errors != 0) state_.contacts = {};
   }
   mode_ = next_mode;
 }
 
 void Plant::step_1ms() noexcept {
-  const bool moving = mode_.mode == Mode::kMove;
-  if (moving) {
-    events_.errors |= limits_violated();
-    if (!events_.command && lost_in_a_row_ + 1 >= kLostCommandsMax)
-      events_.errors |= bit(Error::kCommunicationConstraintsViolation);
-  }
+  if (mode_.mode == Mode::kMove) judge();
+  if (mode_.mode == Mode::kGuiding) judge_guiding();
   events_.recover = commands_are_back() || events_.recover;
   const bool command = events_.command;
   enter(next(mode_, events_));
   events_ = {};
+  found_ = {};
 
   Vector7d tau;
   if (mode_.mode == Mode::kMove) {
@@ -166,9 +261,12 @@ void Plant::step_1ms() noexcept {
     received_.reset();
     tau = brake_torque();
   }
+  apply_pull();
+  const Vector7d dq_before = state_.dq, motors = tau;
   for (int i = 0; i < substeps_; ++i) substep(tau);
   // the damper's share is part of what the arm felt
-  if (mode_.mode != Mode::kMove) tau -= kBrakeDamping.cwiseProduct(state_.dq);
+  const double brake = brake_share(mode_.mode);
+  if (brake > 0.0) tau -= brake * kBrakeDamping.cwiseProduct(state_.dq);
   state_.tau = tau;
   if (push_pending_) {
     Eigen::Map<Eigen::VectorXd>(data_->qfrc_applied + kJoints, model_->nv - kJoints).setZero();
@@ -176,7 +274,30 @@ void Plant::step_1ms() noexcept {
   }
   ++cycles_;
   read();
+  estimate_external(dq_before, motors);
   let_go();
+}
+
+void Plant::apply_pull() noexcept {
+  if (pull_.isZero(0.0)) return;
+  if (state_.time >= pull_until_) pull_.setZero();
+  const int body = arm_bodies_.back();
+  // MuJoCo takes forces at the centre of mass
+  const Eigen::Map<const Eigen::Vector3d> center(data_->xipos + 3 * body);
+  Eigen::Map<Eigen::Vector3d>(data_->xfrc_applied + 6 * body) = pull_;
+  Eigen::Map<Eigen::Vector3d>(data_->xfrc_applied + 6 * body + 3) =
+      (state_.p_WE - center).cross(pull_);
+}
+
+void Plant::estimate_external(const Vector7d& dq_before, const Vector7d& tau) noexcept {
+  mj_jacSite(model_.get(), data_.get(), jacobian_.data(), turning_jacobian_.data(), site_);
+  J_WE_ << jacobian_.leftCols<kJoints>(), turning_jacobian_.leftCols<kJoints>();
+  const Vector7d acceleration = (state_.dq - dq_before) / kCycle;
+  velocity_change_.head<kJoints>() = acceleration;
+  mj_mulM(model_.get(), data_.get(), inertia_torque_.data(), velocity_change_.data());
+  const Eigen::Map<const Vector7d> bias(data_->qfrc_bias), passive(data_->qfrc_passive);
+  const Vector7d residual = inertia_torque_.head<kJoints>() + bias - gravity_ - passive - tau;
+  state_.external = estimator_.step(residual, acceleration, J_WE_, state_.q_WE, kCycle);
 }
 
 Vector7d Plant::command_torque() noexcept {
@@ -190,6 +311,7 @@ Vector7d Plant::command_torque() noexcept {
 }
 
 Vector7d Plant::brake_torque() noexcept {
+  if (mode_.mode == Mode::kGuiding) return Vector7d::Zero();
   if (!holding_ && state_.dq.cwiseAbs().maxCoeff() < kRestVelocity) {
     holding_ = true;
     hold_q_ = state_.q;
@@ -211,9 +333,10 @@ Vector7d Plant::gravity_torque() noexcept {
 }
 
 void Plant::substep(const Vector7d& tau) noexcept {
-  Eigen::Map<Vector7d>(data_->qfrc_applied) = tau + gravity_torque();
+  Eigen::Map<Vector7d>(data_->qfrc_applied) = tau + gravity_;
   mj_step2(model_.get(), data_.get());
   mj_step1(model_.get(), data_.get());
+  gravity_ = gravity_torque();
 }
 
 void Plant::read() noexcept {
@@ -244,7 +367,7 @@ void Plant::read() noexcept {
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
     if (data_->warning[warning].number > 0) {
       data_->warning[warning].number = 0;
-      events_.errors |= bit(Error::kInstabilityDetected);
+      find({Error::kInstabilityDetected});
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "controller/scene/scene.hpp"
+#include "plant_emulator/guard.hpp"
 #include "plant_emulator/mode.hpp"
 #include "plant_emulator/parameters.hpp"
 
@@ -31,6 +32,9 @@ struct State {
   Eigen::Quaterniond q_WE;
   Mode mode;
   Errors errors;
+  Cause cause;        // of the reflex: what was found first
+  External external;  // what acts on the arm, as the robot estimates it
+  Contacts contacts;
   double
       command_success_rate;   // of the last kSuccessWindow cycles in Mode::kMove; 0 in other modes
   std::uint64_t command_seq;  // of the newest command applied, 0 for none
@@ -54,6 +58,11 @@ class Plant {
   void set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t state_ns) noexcept;
   void request_stop() noexcept { events_.stop = true; }
   void request_recovery() noexcept { events_.recover = true; }
+  /// A person takes the arm by the hand, which it obeys unless it moves, or lets go of it.
+  void request_guiding(bool guide) noexcept { (guide ? events_.guide : events_.release) = true; }
+
+  /// @return false, and nothing is changed, while the arm moves. RT: no heap, no throw.
+  [[nodiscard]] bool set_collision_behavior(const CollisionBehavior& behavior) noexcept;
 
   /// One cycle of the robot: judges command and limits, then moves the world by kCycle. RT: no
   /// heap, no throw.
@@ -69,6 +78,9 @@ class Plant {
 
   /// Pushes an object at its centre of mass during the next cycle. RT: no heap, no throw.
   void push(int index, const Eigen::Vector3d& impulse) noexcept;  // [N s], in W
+  /// A hand, or whatever is in the way, acts on the end effector's centre for a while. RT: no heap,
+  /// no throw.
+  void pull(const Eigen::Vector3d& force, double duration) noexcept;  // [N] in W, [s]
   /// Ignores commands for a while. RT: no heap, no throw.
   void drop_commands(double duration) noexcept { drop_until_ = state_.time + duration; }  // [s]
 
@@ -76,7 +88,14 @@ class Plant {
   const mjData& data() const noexcept { return *data_; }
 
  private:
-  Errors limits_violated() const noexcept;
+  Measured measured() const noexcept;
+  void judge() noexcept;
+  void judge_guiding() noexcept;
+  void find(const Cause& cause) noexcept;
+  double clearance() const noexcept;
+  void find_arm_capsules();
+  void apply_pull() noexcept;
+  void estimate_external(const Vector7d& dq_before, const Vector7d& tau) noexcept;
   Vector7d command_torque() noexcept;
   Vector7d brake_torque() noexcept;
   Vector7d gravity_torque() noexcept;
@@ -95,10 +114,16 @@ class Plant {
   int substeps_;
   int site_;
   std::array<int, kJoints + 1> arm_bodies_{};
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian_, turning_jacobian_;
+  Eigen::Matrix<double, 6, kJoints> J_WE_ = Eigen::Matrix<double, 6, kJoints>::Zero();
+  Eigen::VectorXd velocity_change_, inertia_torque_;  // of every degree of freedom
+  Vector7d gravity_;                                  // that carries the arm where it is [N m]
+  ExternalEstimator estimator_;
+  std::vector<int> near_, far_;  // geoms of base and shoulder; of forearm, wrist and end effector
 
   ModeState mode_{Mode::kIdle, 0};
   Events events_{};
+  Cause found_;                          // in this cycle, first
   Vector7d command_ = Vector7d::Zero();  // newest accepted
   std::uint64_t newest_seq_ = 0;
   std::int64_t newest_state_ns_ = 0;
@@ -110,6 +135,8 @@ class Plant {
   Vector7d hold_q_;
   bool holding_ = true;  // at rest; false while the brake still stops the arm
   double drop_until_ = 0.0;
+  double pull_until_ = 0.0;
+  Eigen::Vector3d pull_ = Eigen::Vector3d::Zero();  // [N]
   bool push_pending_ = false;
   std::vector<int> held_;  // objects that a hand holds
   std::int64_t cycles_ = 0;

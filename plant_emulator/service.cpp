@@ -104,8 +104,13 @@ void Service::show() noexcept {
     set(success_min_, success);
   shown_moving_.store(counters.moving_cycles, std::memory_order_relaxed);
   shown_standing_.store(s.dq.cwiseAbs().maxCoeff() < kStanding, std::memory_order_relaxed);
-  shown_mode_.store(s.mode, std::memory_order_relaxed);
-  shown_errors_.store(s.errors, std::memory_order_relaxed);
+  shown_cause_.error.store(s.cause.error, std::memory_order_relaxed);
+  shown_cause_.axis.store(s.cause.axis, std::memory_order_relaxed);
+  shown_cause_.value.store(s.cause.value, std::memory_order_relaxed);
+  shown_cause_.limit.store(s.cause.limit, std::memory_order_relaxed);
+  shown_cause_.unit.store(s.cause.unit, std::memory_order_relaxed);
+  shown_errors_.store(s.errors, std::memory_order_release);
+  shown_mode_.store(s.mode, std::memory_order_release);
   shown_waiting_.store(node_.plant().waits_for_commands(), std::memory_order_relaxed);
 }
 
@@ -152,6 +157,15 @@ std::optional<wire::Answer> Service::recovered(bool late) const {
                                                       : mode_text()};
 }
 
+std::string Service::cause_text() const {
+  const Cause cause{shown_cause_.error.load(), shown_cause_.axis.load(), shown_cause_.value.load(),
+                    shown_cause_.limit.load(), shown_cause_.unit.load()};
+  const std::string said = text(cause);
+  if (said.empty()) return "";
+  const bool alone = shown_errors_.load() == bit(cause.error);
+  return " (" + (alone ? "" : std::string(name(cause.error)) + " of ") + said + ")";
+}
+
 std::string Service::mode_text() const {
   switch (shown_mode_.load()) {
     case Mode::kIdle:
@@ -159,9 +173,11 @@ std::string Service::mode_text() const {
     case Mode::kMove:
       return "follows commands";
     case Mode::kReflex:
-      return "reflex: " + names(shown_errors_.load()) +
+      return "reflex: " + names(shown_errors_.load()) + cause_text() +
              (shown_waiting_.load() ? "; moves again once commands come steadily"
                                     : "; request recover");
+    case Mode::kGuiding:
+      return "guided by a person's hand; it moves by commands when that lets go";
     case Mode::kUserStopped:
       break;
   }

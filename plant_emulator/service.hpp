@@ -36,6 +36,7 @@ class Service {
   std::optional<wire::Answer> stopped(bool late) const;
   std::optional<wire::Answer> recovered(bool late) const;
   std::string mode_text() const;
+  std::string cause_text() const;
 
   wire::Endpoint& endpoint_;
   const bool realtime_;
@@ -52,6 +53,12 @@ class Service {
   // for the thread that serves clients
   std::atomic<Mode> shown_mode_{Mode::kIdle};
   std::atomic<Errors> shown_errors_{0};
+  struct {  // stored before the mode, which a reader loads first
+    std::atomic<Error> error{};
+    std::atomic<int> axis{0};
+    std::atomic<double> value{0.0}, limit{0.0};
+    std::atomic<const char*> unit{""};
+  } shown_cause_;
   std::atomic<int> shown_moving_{0};
   std::atomic<bool> shown_standing_{false}, shown_waiting_{false};
 };

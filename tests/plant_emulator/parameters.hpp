@@ -33,6 +33,7 @@ inline Parameters test_parameters() {
   Parameters parameters{};
   parameters.world = test_world();
   parameters.limits = limits_of(config::load_robot("panda"));
+  parameters.safety = safety_of(config::load_robot("panda"));
   parameters.initial_q << 0, 0.275, 0, -2.222, 0, 2.497, 0;
   return parameters;
 }

@@ -289,13 +289,16 @@ TEST_CASE("a command that is not finite is refused with its own flag") {
 
 TEST_CASE("a joint that is too fast or out of its range stops the robot and names it") {
   Plant fast(test_parameters());
-  const Vector7d spin = (Vector7d() << 0, 0, 0, 0, 0, 0, 12).finished();
-  for (std::uint64_t i = 1; i <= 200; ++i) {
+  const Vector7d spin = (Vector7d() << 30, 0, 0, 0, 0, 0, 0).finished();
+  for (std::uint64_t i = 1; i <= 300; ++i) {
     fast.set_command(spin, i, 0);
     fast.step_1ms();
   }
   CHECK(fast.state().mode == Mode::kReflex);
   CHECK(fast.state().errors == bit(Error::kJointVelocityViolation));
+  CHECK(fast.state().cause.axis == 1);
+  CHECK(fast.state().cause.value > 2.175);
+  CHECK(fast.state().cause.limit == 2.175);
 
   Parameters near_limit = test_parameters();
   near_limit.initial_q[6] = near_limit.limits.q_max[6] - 1e-3;
@@ -307,6 +310,7 @@ TEST_CASE("a joint that is too fast or out of its range stops the robot and name
   }
   CHECK(far.state().mode == Mode::kReflex);
   CHECK(far.state().errors == bit(Error::kJointPositionLimitsViolation));
+  CHECK(text(far.state().cause) == "joint 7: 2.897 rad, limit 2.897");
 }
 
 TEST_CASE("a person's stop holds the arm until a person recovers it") {
@@ -448,6 +452,13 @@ TEST_CASE("mode table") {
       {Mode::kUserStopped, {true, 0, false, false}, Mode::kUserStopped, 0},
       {Mode::kUserStopped, {true, e, false, false}, Mode::kUserStopped, e},
       {Mode::kUserStopped, {true, 0, false, true}, Mode::kIdle, 0},
+      {Mode::kIdle, {true, 0, false, false, true}, Mode::kGuiding, 0},
+      {Mode::kMove, {true, 0, false, false, true}, Mode::kMove, 0},
+      {Mode::kReflex, {true, 0, false, false, true}, Mode::kGuiding, e},
+      {Mode::kGuiding, {true, 0, false, true}, Mode::kGuiding, 0},
+      {Mode::kGuiding, {true, 0, false, false, false, true}, Mode::kIdle, 0},
+      {Mode::kGuiding, {true, e, false, false}, Mode::kReflex, e},
+      {Mode::kGuiding, {true, 0, true, false}, Mode::kUserStopped, 0},
   };
   for (const Row& row : rows) {
     const ModeState before{row.from, row.from == Mode::kReflex ? e : 0};
