@@ -1,18 +1,13 @@
 #include "cli/inspect_mechanism.hpp"
 
-#include <charconv>
 #include <cmath>
-#include <memory>
-#include <optional>
 
 #include <fmt/format.h>
 
+#include "cli/inspect_lcs.hpp"
 #include "cli/inspect_report.hpp"
 #include "cli/millimetres.hpp"
 #include "cli/paths.hpp"
-#include "cli/run.hpp"
-#include "config/text.hpp"
-#include "controller/mjcf/mechanism.hpp"
 #include "controller/model/mechanism_model.hpp"
 
 namespace c3rt::cli {
@@ -21,67 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Kind = scene::Coordinate::Kind;
-
-constexpr double kGoal = 0.1;  // of the written problem [m], [rad]
-
-[[noreturn]] void refuse_pair(const std::string& pair) {
-  throw UsageError("--pairs: expected FIRST,SECOND[,closest=N][,friction=MU], got \"" +
-                   config::printable(pair) + "\"");
-}
-
-template <typename T>
-T number(const std::string& text, const std::string& pair) {
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end || value < T{}) refuse_pair(pair);
-  return value;
-}
-
-model::Between between_of(const std::string& pair) {
-  std::vector<std::string> words;
-  for (std::size_t from = 0; from <= pair.size();) {
-    const std::size_t comma = std::min(pair.find(',', from), pair.size());
-    words.push_back(pair.substr(from, comma - from));
-    from = comma + 1;
-  }
-  if (words.size() < 2 || words[0].empty() || words[1].empty()) refuse_pair(pair);
-  model::Between between{words[0], words[1]};
-  for (std::size_t i = 2; i < words.size(); ++i) {
-    const std::size_t equals = words[i].find('=');
-    const std::string key = words[i].substr(0, equals);
-    const std::string value = equals == std::string::npos ? "" : words[i].substr(equals + 1);
-    if (key == "closest") {
-      between.closest = number<int>(value, pair);
-    } else if (key == "friction") {
-      between.friction = number<double>(value, pair);
-    } else {
-      refuse_pair(pair);
-    }
-  }
-  return between;
-}
-
-/// Every two bodies that no joint joins, where they are nearest, and each with all planes.
-std::vector<model::Between> all_pairs(const scene::Mechanism& mechanism) {
-  const std::vector<scene::RigidBody>& bodies = mechanism.bodies();
-  std::vector<model::Between> result;
-  const auto touches = [](const scene::RigidBody& of) { return !of.object.parts->parts.empty(); };
-  for (std::size_t i = 1; i < bodies.size(); ++i) {
-    if (!touches(bodies[i])) continue;
-    for (const scene::Surface& surface : mechanism.surfaces()) {
-      if (surface.body == 0)
-        result.push_back({bodies[i].object.name, surface.name, surface.is_plane ? 0 : 1});
-    }
-    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      const bool joined =
-          bodies[j].parent == static_cast<int>(i) || bodies[i].parent == static_cast<int>(j);
-      if (touches(bodies[j]) && !joined)
-        result.push_back({bodies[i].object.name, bodies[j].object.name, 1});
-    }
-  }
-  return result;
-}
 
 bool turns(const scene::Coordinate& of) {
   return of.kind == Kind::kHinge || of.kind == Kind::kRotation;
@@ -157,109 +91,28 @@ void print_errors(const model::MechanismModel& model, double step,
   warn_of_errors(resting, moving, warnings);
 }
 
-struct WrittenGoal {
-  VectorXd x0, Q, x_desired;
-  std::string text;
-};
-
-/// What no motor moves is brought somewhere: all free bodies along x, else the first joint of those
-/// without a motor, else the first.
-WrittenGoal goal_of(const scene::Mechanism& mechanism) {
-  const int n_v = mechanism.n_v();
-  WrittenGoal goal{VectorXd::Zero(2 * n_v), VectorXd::Zero(2 * n_v), {}, {}};
-  goal.x0.head(n_v) = mechanism.home();
-  goal.x_desired = goal.x0;
-  int joint = -1;
-  for (int i = 0; i < n_v; ++i) {
-    const scene::Coordinate& of = mechanism.coordinates()[static_cast<std::size_t>(i)];
-    const bool driven = mechanism.bodies()[static_cast<std::size_t>(of.body)].driven;
-    const char axis = of.name.back();
-    double &of_q = goal.Q[i], &of_v = goal.Q[n_v + i];
-    if (of.kind == Kind::kPosition) {
-      of_q = axis == 'z' ? 0.0 : 1.0;
-      of_v = 1e-4;
-      if (axis == 'x') {
-        goal.x_desired[i] += kGoal;
-        goal.text += (goal.text.empty() ? "" : ", ") + of.name;
-      }
-    } else if (of.kind == Kind::kRotation) {
-      of_q = 0.05;
-      of_v = 1e-5;
-    } else {
-      of_q = driven ? 1e-4 : 1.0;
-      of_v = driven ? 0.02 : 1e-4;
-      if (joint < 0 ||
-          (!driven && mechanism
-                          .bodies()[static_cast<std::size_t>(
-                              mechanism.coordinates()[static_cast<std::size_t>(joint)].body)]
-                          .driven))
-        joint = i;
-    }
-  }
-  if (goal.text.empty() && joint >= 0) {
-    goal.Q[joint] = 1.0;
-    goal.x_desired[joint] += kGoal;
-    goal.text = mechanism.coordinates()[static_cast<std::size_t>(joint)].name;
-  }
-  return goal;
-}
-
 }  // namespace
 
 int inspect_mechanism(const InspectSettings& settings) {
-  if (settings.models.size() != 1)
-    throw UsageError("lcs inspect: expected one file where it has motors, got " +
-                     std::to_string(settings.models.size()));
-  if (!settings.effector.empty())
-    throw UsageError("--effector: expected objects alone, got a model with motors of its own");
-  std::vector<std::string> warnings;
-  std::unique_ptr<model::MechanismModel> model;
-  try {
-    mjcf::MechanismFile file = mjcf::read_mechanism(settings.models[0]);
-    warnings = std::move(file.notes);
-    model::MechanismParameters parameters;
-    for (const std::string& pair : settings.pairs) parameters.contacts.push_back(between_of(pair));
-    if (settings.pairs.empty()) parameters.contacts = all_pairs(*file.mechanism);
-    parameters.mechanism = std::move(file.mechanism);
-    parameters.contact_model = settings.contact_model == "stewart_trinkle"
-                                   ? model::ContactModel::kStewartTrinkle
-                                   : model::ContactModel::kAnitescu;
-    parameters.directions = settings.directions.value_or(parameters.directions);
-    parameters.support_points = settings.support_points;
-    if (!settings.across.empty())
-      parameters.across = Vector3d(settings.across[0], settings.across[1], settings.across[2]);
-    model = std::make_unique<model::MechanismModel>(parameters);
-  } catch (const mjcf::Error& e) {
-    throw UsageError(e.what());
-  } catch (const std::invalid_argument& e) {
-    throw UsageError(settings.models[0] + ": " + e.what());
-  }
-  const scene::Mechanism& mechanism = model->mechanism();
-  const WrittenGoal goal = goal_of(mechanism);
-  model::ContactSystem system;
-  model->evaluate(goal.x0, system);
-  const lcs::Lcs lcs = model::to_lcs(model->contact_model(), system, settings.step);
+  SeenMechanism of = see_mechanism(settings);
+  const scene::Mechanism& mechanism = of.model->mechanism();
+  std::vector<std::string>& warnings = of.notes;
   print_coordinates(mechanism);
   fmt::print("bodies\n");
   for (std::size_t i = 1; i < mechanism.bodies().size(); ++i)
     print_object(mechanism.bodies()[i].object, warnings);
-  print_contacts(*model, system, warnings);
+  print_contacts(*of.model, of.system, warnings);
   fmt::print(
       "sizes\n  n_x {}, n_u {}, n_lambda {}: {}, {} contacts with {} edges each, step {:g} s\n",
-      lcs.A.rows(), lcs.B.cols(), lcs.F.rows(), settings.contact_model, model->n_c(), model->n_e(),
-      settings.step);
-  print_conditioning(lcs);
-  print_errors(*model, settings.step, warnings);
+      of.lcs.A.rows(), of.lcs.B.cols(), of.lcs.F.rows(), settings.contact_model, of.model->n_c(),
+      of.model->n_e(), settings.step);
+  print_conditioning(of.lcs);
+  print_errors(*of.model, settings.step, warnings);
   print_warnings(warnings);
   if (!settings.out.empty()) {
-    VectorXd u_min(lcs.B.cols()), u_max(lcs.B.cols());
-    for (Eigen::Index i = 0; i < u_min.size(); ++i) {
-      u_min[i] = mechanism.motors()[static_cast<std::size_t>(i)].min;
-      u_max[i] = mechanism.motors()[static_cast<std::size_t>(i)].max;
-    }
-    write_text(settings.out, problem_file(lcs, goal.x0, goal.Q, goal.x_desired, u_min, u_max));
-    fmt::print("written: {}: C3+ on this LCS, {} by {:g} (c3rt solve {})\n", settings.out,
-               goal.text, kGoal, settings.out);
+    write_text(settings.out, problem_file(of));
+    fmt::print("written: {}: C3+ on this LCS, {} by {:g} (c3rt solve {})\n", settings.out, of.goal,
+               kInspectedGoal, settings.out);
   }
   return kDone;
 }

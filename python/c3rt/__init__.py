@@ -4,17 +4,36 @@ Arrays have the stages first: x is (N + 1, n_x), u (N, n_u), lam (N, n_lambda). 
 comes out shows the memory of the object that it belongs to and cannot be written to. SI units throughout.
 """
 
-from ._core import LCS, Iterate, Problem, Projected, Result, Simulation, Solver, load_problem, projections, simulate
+from ._core import (
+    LCS,
+    Iterate,
+    MjcfLcs,
+    Problem,
+    Projected,
+    Result,
+    Simulation,
+    Solver,
+    System,
+    lcs_from_mjcf,
+    load_problem,
+    projections,
+    simulate,
+    systems,
+)
 
 __all__ = [
     "LCS",
     "Iterate",
+    "MjcfLcs",
     "Problem",
     "Projected",
     "Result",
     "Simulation",
     "Solver",
+    "System",
+    "lcs_from_mjcf",
     "load_problem",
     "projections",
     "simulate",
+    "systems",
 ]

@@ -15,4 +15,5 @@ NB_MODULE(_core, module) {
   });
   c3rt::python::bind_lcs(module);
   c3rt::python::bind_problem(module);
+  c3rt::python::bind_models(module);
 }

@@ -1,4 +1,6 @@
 // Problems of C3, those of c3rt solve, and what they come to.
+#include "python/src/problem.hpp"
+
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -9,7 +11,6 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -19,7 +20,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/monolithic.hpp"
-#include "config/problem_file.hpp"
 #include "controller/c3/solver.hpp"
 #include "controller/rt/worker_pool.hpp"
 #include "python/src/arrays.hpp"
@@ -34,11 +34,6 @@ using Json = nlohmann::json;
 using namespace nb::literals;
 
 using Shared = std::shared_ptr<const ProblemFile>;
-
-/// A problem that is not changed once it was checked, so that solvers and results share it.
-struct Problem {
-  Shared file;
-};
 
 // ---- arguments as a problem file, which has one reader
 
@@ -118,7 +113,7 @@ Problem make_problem(nb::handle lcs, nb::handle x0, const nb::kwargs& keys) {
     for (const char* of : kTopKeys) top = top || name == of;
     (top ? json : json["params"])[name] = to_json(value, name);
   }
-  return {std::make_shared<const ProblemFile>(config::parse_problem(json.dump(), "Problem"))};
+  return parse_problem(json.dump(), "Problem");
 }
 
 // ---- results
@@ -326,6 +321,10 @@ std::vector<std::string> projections() {
 }
 
 }  // namespace
+
+Problem parse_problem(const std::string& text, const std::string& name) {
+  return {std::make_shared<const ProblemFile>(config::parse_problem(text, name))};
+}
 
 void bind_problem(nb::module_& module) {
   module.def("projections", &projections, "The names of the projections, as a problem has them.");
