@@ -58,7 +58,7 @@ may(cli/doctor cli cli/keys config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
 may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
-may(python cli config controller/rt controller/lcs controller/c3 controller/model)
+may(python cli config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
 
 # a room's loader reads its section of the scenario
 files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controller/model controller/mjcf)

@@ -1,7 +1,7 @@
 // LCS of models: from MuJoCo's files, and of the systems that have a name.
 #include <algorithm>
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,14 +12,16 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
-#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "cli/inspect_lcs.hpp"
 #include "cli/paths.hpp"
+#include "controller/mjcf/object.hpp"
+#include "controller/model/contact_model.hpp"
 #include "controller/model/registry.hpp"
+#include "controller/scene/scene.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/problem.hpp"
@@ -40,16 +42,34 @@ using namespace nb::literals;
   throw std::invalid_argument(text);
 }
 
-Seen lcs_from_mjcf(
-    const std::variant<std::filesystem::path, std::vector<std::filesystem::path>>& path,
-    std::vector<std::string> pairs, double step, std::string contact_model, nb::handle effector,
-    int support_points, std::optional<int> directions, nb::handle across) {
+using Files = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
+
+std::vector<std::string> files_of(const Files& files) {
+  if (const auto* one = std::get_if<std::filesystem::path>(&files)) return {one->string()};
+  std::vector<std::string> names;
+  for (const auto& each : std::get<1>(files)) names.push_back(each.string());
+  return names;
+}
+
+/// One file for all bodies or one for each.
+std::vector<scene::Object> objects_of(const std::vector<std::string>& files, int bodies,
+                                      const std::string& key) {
+  const int count = static_cast<int>(files.size());
+  if (count != 1 && count != bodies)
+    throw std::invalid_argument(key + ": expected one file, or one for each of " +
+                                std::to_string(bodies) + " bodies, got " + std::to_string(count));
+  std::vector<scene::Object> objects;
+  for (int i = 0; i < bodies; ++i)
+    objects.push_back(
+        mjcf::read_object(files[count == 1 ? 0 : static_cast<std::size_t>(i)]).object);
+  return objects;
+}
+
+Seen lcs_from_mjcf(const Files& path, std::vector<std::string> pairs, double step,
+                   std::string contact_model, nb::handle effector, int support_points,
+                   std::optional<int> directions, nb::handle across) {
   cli::InspectSettings settings;
-  if (const auto* each = std::get_if<std::vector<std::filesystem::path>>(&path)) {
-    for (const auto& one : *each) settings.models.push_back(one.string());
-  } else {
-    settings.models.push_back(std::get<std::filesystem::path>(path).string());
-  }
+  settings.models = files_of(path);
   if (settings.models.empty())
     throw std::invalid_argument("path: expected a file or several, got none");
   if (!(step > 0.0 && step <= 1.0))
@@ -98,32 +118,115 @@ const model::SystemKind& system_kind(const std::string& name) {
   throw std::invalid_argument("name: expected one of " + known + ", got \"" + name + "\"");
 }
 
-NamedSystem make_system(const std::string& name, const nb::kwargs& given) {
-  const model::SystemKind& kind = system_kind(name);
+/// What keys say of a model. @param bodies for the key that names objects
+model::ModelValues values_of(const std::vector<model::ModelKey>& keys, const nb::kwargs& given,
+                             int bodies) {
   std::string known;
-  for (const model::ModelKey& key : kind.keys) known += (known.empty() ? "" : ", ") + key.name;
+  for (const model::ModelKey& key : keys) known += (known.empty() ? "" : ", ") + key.name;
   for (const auto [key, value] : given) {
-    const auto name_of = nb::cast<std::string>(key);
-    if (std::none_of(kind.keys.begin(), kind.keys.end(),
-                     [&](const auto& of) { return of.name == name_of; }))
-      throw std::invalid_argument(name_of + ": unknown key, expected one of " + known);
+    const auto name = nb::cast<std::string>(key);
+    if (std::none_of(keys.begin(), keys.end(), [&](const auto& of) { return of.name == name; }))
+      throw std::invalid_argument(name + ": unknown key, expected one of " + known);
   }
   model::ModelValues values;
-  for (const model::ModelKey& key : kind.keys) {
+  for (const model::ModelKey& key : keys) {
+    const auto fail = [&](const std::string& expected, const std::string& got) {
+      throw std::invalid_argument(key.name + ": expected " + expected + ", got " + got);
+    };
     if (!given.contains(key.name.c_str())) {
-      if (!key.missing) throw std::invalid_argument(key.name + ": expected a number, got none");
+      if (!key.missing) fail(key.names_objects ? "a file or one for each body" : "a value", "none");
       values.set(key.name, *key.missing);
       continue;
     }
     const nb::object value = given[key.name.c_str()];
+    const std::string got = nb::repr(value).c_str();
     double number = 0.0;
-    if (!nb::try_cast(value, number) || !(number >= key.min && number <= key.max))
-      throw std::invalid_argument(key.name + ": expected a number in [" + std::to_string(key.min) +
-                                  ", " + std::to_string(key.max) + "], got " +
-                                  nb::repr(value).c_str());
-    values.set(key.name, number);
+    std::string word;
+    if (key.names_objects) {
+      Files files;
+      if (!nb::try_cast(value, files)) fail("a file or one for each body", got);
+      values.set_objects(objects_of(files_of(files), bodies, key.name));
+    } else if (!key.choices.empty()) {
+      const auto found = nb::try_cast(value, word)
+                             ? std::find(key.choices.begin(), key.choices.end(), word)
+                             : key.choices.end();
+      std::string choices;
+      for (const std::string& choice : key.choices)
+        choices += (choices.empty() ? "" : ", ") + choice;
+      if (found == key.choices.end()) fail("one of " + choices, got);
+      values.set(key.name, static_cast<double>(found - key.choices.begin()));
+    } else if (!nb::try_cast(value, number) || !(number >= key.min && number <= key.max)) {
+      fail("a number in [" + std::to_string(key.min) + ", " + std::to_string(key.max) + "]", got);
+    } else {
+      values.set(key.name, number);
+    }
   }
-  return {kind.make(values)};
+  return values;
+}
+
+NamedSystem make_system(const std::string& name, const nb::kwargs& given) {
+  const model::SystemKind& kind = system_kind(name);
+  return {kind.make(values_of(kind.keys, given, 0))};
+}
+
+/// A planning model by name, for a scene of so many bodies.
+struct NamedModel {
+  std::shared_ptr<const model::PlanningModel> model;
+  int bodies;
+};
+
+NamedModel make_model(const std::string& name, int bodies, const nb::kwargs& given) {
+  const model::ModelKind& kind = model::model_kind(name);
+  if (bodies < kind.min_bodies || bodies > kind.max_bodies)
+    throw std::invalid_argument("bodies: expected " + std::to_string(kind.min_bodies) + " to " +
+                                std::to_string(kind.max_bodies) + " of " + name + ", got " +
+                                std::to_string(bodies));
+  return {kind.make(values_of(kind.keys, given, bodies), bodies), bodies};
+}
+
+/// Rows for the bodies; where none are given, those that stand there already.
+void set_rows(nb::handle of, const char* name, int bodies, int columns,
+              const std::function<void(int, const Eigen::VectorXd&)>& set) {
+  if (of.is_none()) return;
+  const Eigen::MatrixXd rows = matrix(of, name, bodies, columns);
+  for (int i = 0; i < bodies; ++i) set(i, rows.row(i));
+}
+
+scene::Scene scene_of(const NamedModel& of, nb::handle effector, nb::handle positions,
+                      nb::handle orientations, nb::handle effector_velocity, nb::handle velocities,
+                      nb::handle rates) {
+  scene::Scene scene = of.model->layout().world;
+  scene.effector.p_WE = vector(effector, "effector", 3);
+  if (!effector_velocity.is_none())
+    scene.effector.v_WE = vector(effector_velocity, "effector_velocity", 3);
+  set_rows(positions, "positions", of.bodies, 3,
+           [&](int i, const Eigen::VectorXd& row) { scene.body(i).p_WB = row; });
+  set_rows(velocities, "velocities", of.bodies, 3,
+           [&](int i, const Eigen::VectorXd& row) { scene.body(i).v_WB = row; });
+  set_rows(rates, "rates", of.bodies, 3,
+           [&](int i, const Eigen::VectorXd& row) { scene.body(i).omega_WB = row; });
+  set_rows(orientations, "orientations", of.bodies, 4, [&](int i, const Eigen::VectorXd& row) {
+    if (!(row.norm() > 0.0))
+      throw std::invalid_argument("orientations: expected a quaternion w x y z, got zeros");
+    const Eigen::Vector4d unit = row.normalized();
+    scene.body(i).q_WB = Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]);
+  });
+  return scene;
+}
+
+std::vector<int> contacts_of(const NamedModel& of, const std::vector<std::string>& pairs) {
+  const std::vector<model::ModelContact>& all = of.model->layout().contacts;
+  if (pairs.empty()) return model::all_contacts(of.model->layout());
+  std::vector<int> chosen;
+  for (const std::string& pair : pairs) {
+    if (std::none_of(all.begin(), all.end(), [&](const auto& one) { return one.pair == pair; }))
+      throw std::invalid_argument("pairs: expected pairs that the model has, got \"" + pair + "\"");
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (std::find(pairs.begin(), pairs.end(), all[i].pair) != pairs.end())
+      chosen.push_back(static_cast<int>(i));
+  }
+  return chosen;
 }
 
 std::vector<std::string> names(const std::vector<model::Quantity>& of) {
@@ -205,6 +308,98 @@ void bind_models(nb::module_& module) {
       .def_prop_ro("u_names", [](const NamedSystem& self) { return names(self.model->layout().u); })
       .def_prop_ro("lam_names",
                    [](const NamedSystem& self) { return names(self.model->layout().lambda); });
+
+  module.def(
+      "planning_models",
+      [] {
+        std::vector<std::string> all;
+        for (const model::ModelKind& kind : model::model_kinds()) all.push_back(kind.name);
+        return all;
+      },
+      "The names of the planning models.");
+  nb::class_<NamedModel>(
+      module, "PlanningModel",
+      "A planning model by its name, of an end effector and bodies on a table, with the keys that "
+      "a "
+      "scenario has of it. Frames: the world's; centres of mass, quaternions w x y z.")
+      .def(
+          "__init__",
+          [](NamedModel* self, const std::string& name, int bodies, const nb::kwargs& keys) {
+            new (self) NamedModel(make_model(name, bodies, keys));
+          },
+          "name"_a, "bodies"_a = 1, "keys"_a,
+          nb::sig("def __init__(self, name: str, bodies: int = 1, **keys: typing.Any) -> None"))
+      .def_static(
+          "keys",
+          [](const std::string& name) {
+            std::vector<std::string> all;
+            for (const model::ModelKey& key : model::model_kind(name).keys) all.push_back(key.name);
+            return all;
+          },
+          "name"_a, "Which keys it has.")
+      .def_prop_ro(
+          "pairs",
+          [](const NamedModel& self) {
+            std::vector<std::string> all;
+            for (const model::ModelContact& contact : self.model->layout().contacts) {
+              if (std::find(all.begin(), all.end(), contact.pair) == all.end())
+                all.push_back(contact.pair);
+            }
+            return all;
+          },
+          "Which may touch, by name.")
+      .def(
+          "state",
+          [](const NamedModel& self, nb::handle effector, nb::handle positions,
+             nb::handle orientations, nb::handle effector_velocity, nb::handle velocities,
+             nb::handle rates) {
+            Eigen::VectorXd x(self.model->layout().n_x);
+            self.model->state(scene_of(self, effector, positions, orientations, effector_velocity,
+                                       velocities, rates),
+                              x);
+            return copy(x);
+          },
+          "effector"_a, "positions"_a, "orientations"_a = nb::none(),
+          "effector_velocity"_a = nb::none(), "velocities"_a = nb::none(), "rates"_a = nb::none(),
+          nb::sig("def state(self, effector: numpy.typing.ArrayLike, positions: "
+                  "numpy.typing.ArrayLike, orientations: numpy.typing.ArrayLike | None = None, "
+                  "effector_velocity: numpy.typing.ArrayLike | None = None, velocities: "
+                  "numpy.typing.ArrayLike | None = None, rates: numpy.typing.ArrayLike | None = "
+                  "None) -> numpy.typing.NDArray"),
+          "x of a scene: effector (3,), positions (bodies, 3), orientations (bodies, 4), "
+          "velocities "
+          "and rates (bodies, 3); upright and at rest where they are not given.")
+      .def(
+          "lcs",
+          [](const NamedModel& self, nb::handle effector, nb::handle positions, double step,
+             nb::handle orientations, nb::handle effector_velocity, nb::handle velocities,
+             nb::handle rates, const std::vector<std::string>& pairs,
+             const std::string& contact_model) {
+            if (!(step > 0.0))
+              throw std::invalid_argument("step: expected a positive number, got " +
+                                          std::to_string(step));
+            if (contact_model != "anitescu" && contact_model != "stewart_trinkle")
+              throw std::invalid_argument(
+                  "contact_model: expected anitescu or stewart_trinkle, got \"" + contact_model +
+                  "\"");
+            const model::ContactSystem system =
+                self.model->contact_system(scene_of(self, effector, positions, orientations,
+                                                    effector_velocity, velocities, rates),
+                                           contacts_of(self, pairs));
+            return model::to_lcs(contact_model == "anitescu" ? model::ContactModel::kAnitescu
+                                                             : model::ContactModel::kStewartTrinkle,
+                                 system, step);
+          },
+          "effector"_a, "positions"_a, "step"_a, "orientations"_a = nb::none(),
+          "effector_velocity"_a = nb::none(), "velocities"_a = nb::none(), "rates"_a = nb::none(),
+          "pairs"_a = std::vector<std::string>(), "contact_model"_a = "anitescu",
+          nb::sig("def lcs(self, effector: numpy.typing.ArrayLike, positions: "
+                  "numpy.typing.ArrayLike, step: float, orientations: numpy.typing.ArrayLike | "
+                  "None = None, effector_velocity: numpy.typing.ArrayLike | None = None, "
+                  "velocities: numpy.typing.ArrayLike | None = None, rates: "
+                  "numpy.typing.ArrayLike | None = None, pairs: collections.abc.Sequence[str] = "
+                  "(), contact_model: str = 'anitescu') -> LCS"),
+          "The LCS about a scene, with the contacts of these pairs, or of all; step in seconds.");
 }
 
 }  // namespace c3rt::python

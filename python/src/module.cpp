@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "config/config_error.hpp"
+#include "controller/mjcf/error.hpp"
 #include "python/src/bind.hpp"
 
 NB_MODULE(_core, module) {
@@ -10,6 +11,8 @@ NB_MODULE(_core, module) {
     try {
       std::rethrow_exception(thrown);
     } catch (const c3rt::config::ConfigError& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    } catch (const c3rt::mjcf::Error& error) {
       PyErr_SetString(PyExc_ValueError, error.what());
     }
   });
