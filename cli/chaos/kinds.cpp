@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/chaos/stranger.hpp"
 #include "cli/paths.hpp"
 
 namespace c3rt::cli::chaos {
@@ -89,7 +90,9 @@ const std::vector<Kind>& kinds() {
       {"reorder", Act::kReorder, kNothing, kSimulated, edge_names(), kShort, 0.002, 0.05, "each sample comes later by up to so many s"},
       {"spoil", Act::kSpoil, kNothing, kSimulated, edge_names(), kShort, 0.05, 1.0, "a share of the samples has a NaN"},
       {"clock-jump", Act::kShiftClock, kNothing, kSimulated, edge_names(), kShort, 0.002, 0.9, "stamps jump by so many s, there and back"},
-      {"wrong-object", Act::kShiftObject, kNothing, kSimulated, {"estimate-to-planner"}, kShort, 0.002, 0.03, "the object is told so many m away"}};
+      {"wrong-object", Act::kShiftObject, kNothing, kSimulated, {"estimate-to-planner"}, kShort, 0.002, 0.03, "the object is told so many m away"},
+      {"second-writer", Act::kDouble, kNothing, kRealtime, doubled_topics(), {0.2, 2.0}, 20.0, 2000.0, "somebody else writes a topic, too, what misleads"},
+      {"flood", Act::kFlood, kNothing, kRealtime, flooded_topics(), {0.2, 2.0}, 100.0, 10000.0, "somebody asks so many times a second what nobody grants"}};
   // clang-format on
   return all;
 }
@@ -117,10 +120,13 @@ std::vector<Choice> choose(const std::string& list, const Offer& offer) {
 std::string kinds_text() {
   std::string text = "Kinds of faults (KIND or KIND:TARGET):\n";
   for (const Kind& kind : kinds()) {
-    const char* where = kind.where == kSimulated ? " [--in-process]" : "";
+    const char* where = kind.where == kSimulated  ? " [--in-process]"
+                        : kind.where == kRealtime ? " [real time]"
+                                                  : "";
     text += fmt::format("  {:<14} {}{}\n", kind.name, kind.says, where);
   }
-  return text + "Targets are processes, or edges: " + listed(edge_names()) + ".\n";
+  return text + "Targets are processes, edges (" + listed(edge_names()) + "), or topics (" +
+         listed(doubled_topics()) + "; " + listed(flooded_topics()) + ").\n";
 }
 
 wire::Process process_of(std::string_view name) {

@@ -21,6 +21,8 @@ enum class Act {
   kSpoil,        // have a NaN; amount: share
   kShiftClock,   // have the stamps of a clock that has jumped; amount: by [s], of either sign
   kShiftObject,  // tell the object elsewhere; amount: by [m]
+  kDouble,       // somebody else writes a topic, too; amount: so many a second
+  kFlood,        // somebody asks what nobody grants; amount: so many times a second
 };
 
 /// Where a kind is offered.
@@ -31,7 +33,7 @@ struct Kind {
   Act act;
   c3rt_v2_FaultKind injected;  // of kInject
   unsigned where;
-  std::vector<std::string_view> targets;  // processes, or edges (kEdges); one is drawn
+  std::vector<std::string_view> targets;  // processes, edges or topics; one is drawn
   std::vector<double> durations;          // one is drawn [s]; empty: it is over at once
   double least, most;                     // of its amount; its logarithm is uniform
   std::string_view says;

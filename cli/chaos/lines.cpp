@@ -83,6 +83,8 @@ std::function<wire::Passage(T&)> line_of(const Fault& fault) {
     case Act::kKill:
     case Act::kStop:
     case Act::kInject:
+    case Act::kDouble:
+    case Act::kFlood:
       break;
   }
   return {};

@@ -123,13 +123,22 @@ void RealWorld::begin(const Fault& fault, std::int64_t now_ns) {
       stopped_ = fault.target;
       signal(fault.target, SIGSTOP);
       return;
+    case Act::kDouble:
+    case Act::kFlood:
+      stranger_.emplace(bus_, fault);
+      return;
     default:
       wire::FaultInject sample = inject_of(fault, extent_);
       faults_.write(sample, now_ns);
   }
 }
 
+void RealWorld::look(std::int64_t now_ns) {
+  if (stranger_) stranger_->speak(now_ns);
+}
+
 void RealWorld::end(const Fault& fault, std::int64_t) {
+  stranger_.reset();
   if (fault.kind->act != Act::kStop) return;
   signal(stopped_, SIGCONT);
   stopped_.clear();

@@ -2,10 +2,12 @@
 // What faults act upon: nodes in this process, or processes.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/chaos/schedule.hpp"
+#include "cli/chaos/stranger.hpp"
 #include "cli/in_process.hpp"
 #include "cli/launch.hpp"
 #include "idl/exchange.hpp"
@@ -63,6 +65,7 @@ class RealWorld final : public World {
   ~RealWorld() override;  // nobody stays stopped
   void begin(const Fault& fault, std::int64_t now_ns) override;
   void end(const Fault& fault, std::int64_t now_ns) override;
+  void look(std::int64_t now_ns) override;
 
  private:
   void signal(const std::string& name, int number) const;
@@ -71,6 +74,7 @@ class RealWorld final : public World {
   std::string stopped_;  // who stands still; empty: nobody
   wire::Bus bus_;
   wire::Writer<wire::FaultInject> faults_;
+  std::optional<Stranger> stranger_;
 };
 
 }  // namespace c3rt::cli::chaos
