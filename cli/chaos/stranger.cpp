@@ -112,7 +112,8 @@ const std::vector<std::string_view>& doubled_topics() {
 }
 
 const std::vector<std::string_view>& flooded_topics() {
-  static const std::vector<std::string_view> all{wire::topic<wire::TaskTarget>().name, wire::topic<wire::FaultInject>().name};
+  static const std::vector<std::string_view> all{wire::topic<wire::TaskTarget>().name,
+                                                 wire::topic<wire::FaultInject>().name};
   return all;
 }
 
