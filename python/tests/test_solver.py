@@ -172,11 +172,11 @@ def test_other_threads_run_during_a_solve():
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e6)  # who has the lock of Python keeps it unless it gives it away
     try:
-        begun, done = threading.Event(), []
+        solver, begun, done = long_solver(), threading.Event(), []
 
         def solve():
             begun.set()
-            done.append(long_solver().solve(deadline_s=0.5))
+            done.append(solver.solve(deadline_s=0.5))
 
         thread = threading.Thread(target=solve)
         thread.start()
