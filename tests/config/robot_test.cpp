@@ -104,10 +104,10 @@ TEST_CASE("robot: what is wrong in a description is refused by its file and line
     });
   };
   CHECK_THAT(error("mass_kg: 0.269", "mass_kg: -1"),
-             Contains("other_robot.yaml:14: robot.end_effector.mass_kg: expected a number in"));
+             Contains("other_robot.yaml:20: robot.end_effector.mass_kg: expected a number in"));
   CHECK_THAT(error("flange: panda_link8", "flnge: panda_link8"), Contains("robot.flange: missing"));
   CHECK_THAT(error("flange: panda_link8", "flange: panda_link8\ncolour: red"),
-             Contains("other_robot.yaml:5: robot.colour: unknown key"));
+             Contains("other_robot.yaml:4: robot.colour: unknown key"));
   CHECK_THAT(error("-2.8973, -1.7628", "3, -1.7628"),
              Contains("robot.joints.q_max_rad: expected every entry above"));
 }
