@@ -191,7 +191,8 @@ TEST_CASE("plan: gym-pusht's T covers its goal to 95 % within 300 steps, whereve
       const Json plan = door.ask(scene_at(0.1 * step, world.disc(), world.at(), world.yaw()));
       const Vector3d there = vector(plan["position_m"]);
       CHECK(std::abs(there.z() - World::kHeight) < 1e-4);  // it never leaves the plane
-      CHECK((there - Vector3d(0.55, 0.0, there.z())).cwiseAbs().maxCoeff() < 0.256);
+      // the field, its border too, but for rounding
+      CHECK((there - Vector3d(0.55, 0.0, there.z())).cwiseAbs().maxCoeff() <= 0.256 + 1e-12);
       world.move(there.head<2>());
       coverage = world.coverage(goal, goal_yaw);
     }

@@ -173,7 +173,14 @@ void FreeMotion::advance(double period, const scene::Scene& scene, const Eigen::
   }
   const Eigen::Vector3d change = speed / to_go * way - velocity_;
   velocity_ += change * std::min(1.0, kTurning * step / std::max(change.norm(), 1e-12));
+  const Eigen::Vector3d before = reference_;
   reference_ += velocity_ * period;
+  // all corners are within reach, but past one of them the velocity carries on
+  if (!parameters_.over && parameters_.reach.contains(before.head<2>())) {
+    reference_.head<2>() =
+        reference_.head<2>().cwiseMax(parameters_.reach.min()).cwiseMin(parameters_.reach.max());
+    velocity_ = (reference_ - before) / period;
+  }
 }
 
 }  // namespace c3rt::planner

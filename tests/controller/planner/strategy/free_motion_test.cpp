@@ -183,6 +183,25 @@ TEST_CASE("free motion: beside a body it stays on its height, clear of it, by a 
   }
 }
 
+TEST_CASE("free motion: beside a body it never leaves its reach, however fast it comes") {
+  const scene::Scene scene = scene_of_box();
+  FreeMotionParameters parameters = kParameters;
+  parameters.over = false;
+  parameters.reach = {Eigen::Vector2d(0.3, -0.13), Eigen::Vector2d(0.7, 0.13)};
+  const Vector3d start(0.5, 0.128, 0.03), goal = beside(scene, 3.0, 0.01);
+  FreeMotion way(parameters);
+  way.begin(start, Vector3d(-0.1, 0.28, 0.0));
+  Vector3d at = start;
+  int periods = 0;
+  for (; periods < 500 && !way.there(); ++periods) {
+    way.step({periods * kPeriod, kPeriod, at, true}, scene, goal, kSafe);
+    at = way.reference();
+    CAPTURE(at.transpose());
+    CHECK(parameters.reach.contains(at.head<2>()));
+  }
+  CHECK(way.there());
+}
+
 TEST_CASE("free motion: beside two bodies between them where there is room, else round both") {
   scene::Scene scene = scene_of_box();
   scene.body_count = 2;
