@@ -208,7 +208,7 @@ class Service {
           }
           return true;
         },
-        10.0);
+        30.0);  // of a machine with more to do
     std::string wrong = all ? "" : "not all have answered; ";
     for (const auto& [id, answer] : answers_) {
       if (answer && !answer->ok)
