@@ -50,7 +50,7 @@ function(c3rt_precompiled kind)
 endfunction()
 # the tests' own code runs for moments: less optimised it compiles in three quarters of the time; GCC then sees uninitialised
 # values in Eigen's copies that are not there
-set(C3RT_TEST_OPTIONS "$<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>")
+set(C3RT_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>" $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 c3rt_precompiled(library POSITION_INDEPENDENT)
 c3rt_precompiled(tool POSITION_INDEPENDENT HEADERS <fmt/format.h> <nlohmann/json.hpp> DEPS fmt::fmt nlohmann_json::nlohmann_json)
 if(BUILD_TESTING)
