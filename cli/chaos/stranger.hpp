@@ -2,7 +2,8 @@
 // Somebody else on the bus: writes what one of the four writes, or more than anybody can read.
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <string_view>
+#include <vector>
 
 #include "cli/chaos/schedule.hpp"
 #include "idl/dds.hpp"
@@ -11,7 +12,7 @@ namespace c3rt::cli::chaos {
 
 class Stranger {
  public:
-  /// @param fault of Act::kSecondWriter or Act::kFlood; its target is a topic
+  /// @param fault of Act::kDouble or Act::kFlood; its target is a topic
   /// @throws wire::WireError
   Stranger(wire::Bus& bus, const Fault& fault);
   /// Writes what is due since the last call.
