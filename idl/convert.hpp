@@ -4,6 +4,7 @@
 // and the task's: what it takes of another one is a template's parameter.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -261,6 +262,32 @@ void fill_robot_state(RobotState& sample, const State& state) noexcept {
   sample.command_success_rate = state.command_success_rate;
   sample.command_seq = state.command_seq;
   sample.command_state_ns = state.command_state_ns;
+}
+
+/// What acts on the plant's arm, and why it stopped. What is not finite is told as 0.
+template <typename State>
+void fill_robot_contact(RobotContact& sample, const State& state) noexcept {
+  sample = {};
+  const auto& external = state.external;
+  if (external.tau.allFinite() && external.wrench_W.allFinite()) {
+    fill(sample.tau_external_nm, external.tau);
+    fill(sample.force_W_n, external.wrench_W.template head<3>());
+    fill(sample.torque_W_nm, external.wrench_W.template tail<3>());
+    fill(sample.force_E_n, external.wrench_E.template head<3>());
+    fill(sample.torque_E_nm, external.wrench_E.template tail<3>());
+  }
+  sample.joint_contact = state.contacts.joint;
+  sample.cartesian_contact = state.contacts.cartesian;
+  sample.joint_collision = state.contacts.joint_collision;
+  sample.cartesian_collision = state.contacts.cartesian_collision;
+  sample.guided = state.mode == std::decay_t<decltype(state.mode)>::kGuiding;
+  sample.errors = state.errors;
+  const bool caused = *state.cause.unit != '\0';
+  sample.error = caused ? static_cast<std::int32_t>(state.cause.error) : -1;
+  if (!caused) return;
+  sample.axis = state.cause.axis;
+  sample.value = std::isfinite(state.cause.value) ? state.cause.value : 0.0;
+  sample.limit = state.cause.limit;
 }
 
 /// What an impedance controller needs of it.

@@ -74,7 +74,8 @@ void set_transient_local(dds_qos_t* qos, int depth) {
 
 bool in_lockstep(const Topic& topic, ClockMode clock) {
   return topic.qos == Qos::kSync ||
-         (clock == ClockMode::kLockstep && (topic.qos == Qos::kStream || topic.qos == Qos::kPlan));
+         (clock == ClockMode::kLockstep &&
+          (topic.qos == Qos::kStream || topic.qos == Qos::kReport || topic.qos == Qos::kPlan));
 }
 
 const char* name(dds_reliability_kind_t kind) {
@@ -122,6 +123,7 @@ QosPointer writer_qos(const Topic& topic, ClockMode clock, std::optional<Process
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, blocking);
   switch (topic.qos) {
     case Qos::kStream:
+    case Qos::kReport:
       set_history(qos.get(), 1);
       if (clock == ClockMode::kRealtime)
         dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
@@ -161,7 +163,7 @@ QosPointer reader_qos(const Topic& topic, ClockMode clock, int depth,
   QosPointer qos = new_qos();
   set_addressee(qos.get(), topic, addressee);
   const bool lockstep = in_lockstep(topic, clock);
-  const bool best_effort = topic.qos == Qos::kStream && !lockstep;
+  const bool best_effort = (topic.qos == Qos::kStream || topic.qos == Qos::kReport) && !lockstep;
   dds_qset_reliability(qos.get(),
                        best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
                        DDS_MSECS(100));

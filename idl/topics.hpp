@@ -27,6 +27,7 @@ inline const char* process_name(Process process) { return name_of(process); }
 /// How a topic behaves on the network; the numbers stand in qos.cpp, once.
 enum class Qos {
   kStream,  // best effort, keep last 1; in lockstep reliable, so that no sample can be lost
+  kReport,  // as kStream, but nobody waits for it, and no log has it
   kPlan,    // reliable, keep last 1, liveliness
   kEvent,   // reliable, transient local, keep last 16
   kStatus,  // reliable, transient local, keep last 1, liveliness
@@ -78,6 +79,7 @@ struct Topic {
 #define C3RT_TOPICS(TOPIC)                                                                                                                    \
   TOPIC(Scene,           "sim/scene",        kStream, kPlant,     kVision | kClients,           0.0,      kNone)      /* at exposures, >= 100 Hz */\
   TOPIC(RobotState,      "robot/state",      kStream, kPlant,     kAll,                         0.02,     kNone)      /* 1 kHz */             \
+  TOPIC(RobotContact,    "robot/contact",    kReport, kPlant,     kClients,                     0.0,      kNone)      /* 100 Hz, changes */   \
   TOPIC(RobotCommand,    "robot/command",    kStream, kImpedance, kPlant | kPlanner | kClients, 0.02,     kNone)      /* 1 kHz */             \
   TOPIC(Plan,            "plan",             kPlan,   kPlanner,   kImpedance | kClients,        0.0,      kNone)      /* fixed rate */        \
   TOPIC(ObjectEstimate,  "object/estimate",  kStream, kVision,    kPlanner | kClients,          0.1,      kNone)      /* >= 80 Hz */          \

@@ -20,6 +20,7 @@ constexpr double kForce_n = 1e3;
 constexpr double kJoint_rad = 10.0;
 constexpr double kJointSpeed_rad_per_s = 100.0;
 constexpr double kTorque_nm = 1e3;
+constexpr double kEstimate_n = 1e6;     // near a singular pose a small torque is a large force
 constexpr double kObjectSeen_m = 10.0;  // a camera sees no farther
 constexpr double kObjectSpeed_m_per_s = 20.0;
 constexpr double kObjectSpin_rad_per_s = 2e3;
@@ -270,6 +271,17 @@ void check_ranges(const RobotState& s, Check& check) noexcept {
       .unit_or_none("q_WE", s.q_WE)
       .within("command_success_rate", s.command_success_rate, 0.0, 1.0)
       .stamp("command_state_ns", s.command_state_ns);
+}
+
+void check_ranges(const RobotContact& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
+      .size("tau_external_nm", s.tau_external_nm, kEstimate_n)
+      .size("force_W_n", s.force_W_n, kEstimate_n)
+      .size("torque_W_nm", s.torque_W_nm, kEstimate_n)
+      .size("force_E_n", s.force_E_n, kEstimate_n)
+      .size("torque_E_nm", s.torque_E_nm, kEstimate_n)
+      .within("error", s.error, -1, 63)
+      .within("axis", s.axis, 0, 7);
 }
 
 void check_ranges(const RobotCommand& s, Check& check) noexcept {

@@ -11,12 +11,23 @@ namespace {
 
 constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
 
+constexpr std::int64_t kContactPeriodNs = 10'000'000;
+
+/// Something began or ended between the two.
+bool changed(const wire::RobotContact& a, const State& b) noexcept {
+  return a.joint_contact != b.contacts.joint || a.cartesian_contact != b.contacts.cartesian ||
+         a.joint_collision != b.contacts.joint_collision ||
+         a.cartesian_collision != b.contacts.cartesian_collision || a.errors != b.errors ||
+         a.guided != (b.mode == Mode::kGuiding);
+}
+
 }  // namespace
 
 Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed)
     : plant_(drawn_start(parameters, seed)),
       exposure_(base::nanoseconds(1.0 / exposure_rate)),
       scene_(kScenePeriodNs),
+      contact_(kContactPeriodNs),
       pushes_(drawn_pushes(parameters.pushes, static_cast<int>(parameters.world.objects.size()),
                            seed)) {}
 
@@ -70,6 +81,9 @@ const Node::Output& Node::observe(std::int64_t now_ns) noexcept {
   const bool exposure = exposure_.due(now_ns);
   output_.scene_due = scene_.due(now_ns) || exposure;
   if (exposure) ++counters_.exposures;
+  const bool news = changed(output_.contact, state);
+  output_.contact_due = contact_.due(now_ns) || news;
+  if (output_.contact_due) wire::fill_robot_contact(output_.contact, state);
   if (output_.scene_due) {
     wire::fill_scene(output_.scene, state);
     output_.scene.exposure = exposure;

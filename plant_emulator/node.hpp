@@ -34,6 +34,8 @@ class Node {
     wire::RobotState state{};
     bool scene_due = false;  // at an exposure, or for the recorder
     wire::Scene scene{};
+    bool contact_due = false;  // every 10 ms, and when it changes
+    wire::RobotContact contact{};
   };
   struct Counters {
     std::uint64_t reflexes = 0, exposures = 0, faults = 0;
@@ -61,7 +63,7 @@ class Node {
   const Output& observe(std::int64_t now_ns) noexcept;
 
   Plant plant_;
-  Schedule exposure_, scene_;
+  Schedule exposure_, scene_, contact_;
   std::vector<Push> pushes_;  // of the scenario
   std::size_t pushed_ = 0;
   double nan_until_ = 0.0;  // [s]

@@ -51,6 +51,7 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
       commands_(bus),
       states_(bus),
       scenes_(bus),
+      contacts_(bus),
       cycles_(endpoint.status().counter("cycles")),
       lost_commands_(endpoint.status().counter("lost_commands")),
       saturated_(endpoint.status().counter("saturated_cycles")),
@@ -83,6 +84,7 @@ void Service::obey(const Order& order) noexcept {
 void Service::send(const Node::Output& out, std::int64_t now_ns) noexcept {
   states_.put(out.state, now_ns);
   if (out.scene_due) scenes_.put(out.scene, now_ns);
+  if (out.contact_due) contacts_.put(out.contact, now_ns);
 }
 
 void Service::show() noexcept {

@@ -44,6 +44,7 @@ class Service {
   wire::Inlet<wire::RobotCommand> commands_;
   wire::Outlet<wire::RobotState> states_;
   wire::Outlet<wire::Scene> scenes_;
+  wire::Outlet<wire::RobotContact> contacts_;
   wire::RobotCommand command_{};
   OrderQueue orders_;
   std::uint64_t count_ = 0;

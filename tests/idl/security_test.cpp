@@ -48,7 +48,7 @@ Topics allowed(const std::string& permission, const std::string& verb) {
 TEST_CASE("security: each identity writes what the contract gives it and nothing else") {
   const Topics of_every{"sim/done", "service/status", "service/reply"};
   const std::map<std::string, Topics> own{
-      {"plant", {"robot/state", "sim/scene", "sim/tick", "latency/*"}},
+      {"plant", {"robot/state", "robot/contact", "sim/scene", "sim/tick", "latency/*"}},
       {"impedance", {"robot/command", "latency/*"}},
       {"planner", {"plan", "planner/debug"}},
       {"vision", {"object/estimate", "object/detection"}},

@@ -35,10 +35,11 @@ const auto kTopics = table_by_name();
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
   for (const auto& [name, topic] : kTopics) names.insert(name);
-  CHECK(names == std::set<std::string>{"robot/state", "robot/command", "plan", "planner/debug",
-                                       "object/detection", "object/estimate", "task/target",
-                                       "sim/scene", "sim/tick", "sim/done", "service/status",
-                                       "service/request", "service/reply", "fault/inject"});
+  CHECK(names == std::set<std::string>{"robot/state", "robot/contact", "robot/command", "plan",
+                                       "planner/debug", "object/detection", "object/estimate",
+                                       "task/target", "sim/scene", "sim/tick", "sim/done",
+                                       "service/status", "service/request", "service/reply",
+                                       "fault/inject"});
 }
 
 TEST_CASE("topics: a type has its own line of the table") {
@@ -115,10 +116,10 @@ TEST_CASE("topics: no two topics share a type or a place in a tick") {
 
 TEST_CASE("topics: every sample that crosses the network begins with a key or the header") {
   // DESIGN, section 2: the keyed topics
-  const std::set<std::string> keyed = {"robot/state",   "robot/command",    "plan",
-                                       "planner/debug", "object/detection", "object/estimate",
-                                       "sim/done",      "service/status",   "service/request",
-                                       "service/reply", "fault/inject"};
+  const std::set<std::string> keyed = {
+      "robot/state",    "robot/contact",    "robot/command",   "plan",
+      "planner/debug",  "object/detection", "object/estimate", "sim/done",
+      "service/status", "service/request",  "service/reply",   "fault/inject"};
   for (const auto& [name, topic] : kTopics) {
     INFO(name);
     CHECK((topic->descriptor->m_nkeys > 0) == (keyed.count(name) == 1));

@@ -76,6 +76,12 @@ bool usable(const RobotState& s) {
          s.command_success_rate >= 0 && s.command_success_rate <= 1 &&
          near(s.command_state_ns, s.header.time_ns);
 }
+bool usable(const RobotContact& s) {
+  return s.robot == 0 && below(s.tau_external_nm, 1e6) && below(s.force_W_n, 1e6) &&
+         below(s.torque_W_nm, 1e6) && below(s.force_E_n, 1e6) && below(s.torque_E_nm, 1e6) &&
+         s.error >= -1 && s.error < 64 && s.axis >= 0 && s.axis <= 7 && known(s.guided) &&
+         std::isfinite(s.value) && std::isfinite(s.limit);
+}
 bool usable(const RobotCommand& s) {
   return s.robot == 0 && near(s.origin, s.header.time_ns) && below(s.tau_nm, 1e3) &&
          known(s.mode, 3) && below(s.p_WE_desired_m, 5) && below(s.v_WE_desired_m_per_s, 10);

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "idl/validate.hpp"
 #include "tests/plant_emulator/parameters.hpp"
 
 using namespace c3rt;
@@ -52,6 +53,24 @@ TEST_CASE("plant node: the scene is told at every exposure and every 10 ms, and 
   CHECK(exposures == 81);
   CHECK(scenes == 81 + 101 - 21);
   CHECK(node.counters().exposures == 81);
+}
+
+TEST_CASE("plant node: contact is told every 10 ms, and the cause of a stop at once") {
+  Node node(test_parameters(), kExposureRate, 1);
+  int told = 0;
+  std::int64_t now_ns = kCycleNs;
+  for (int ms = 1; ms <= 100; ++ms) told += node.step(now_ns += kCycleNs, nullptr).contact_due;
+  CHECK(told == 11);
+  wire::RobotCommand command{};
+  command.header.seq = 1;
+  command.tau_nm[3] = NAN;
+  const Node::Output& out = node.step(now_ns += kCycleNs, &command);
+  REQUIRE(out.contact_due);
+  CHECK(out.contact.errors == bit(Error::kCommandNotFinite));
+  CHECK(out.contact.error == static_cast<int>(Error::kCommandNotFinite));
+  CHECK(out.contact.axis == 4);
+  CHECK(out.contact.limit == 87.0);
+  CHECK(wire::validate(out.contact).reason == wire::Reason::kNone);
 }
 
 TEST_CASE("plant node: faults act for as long as was asked, and are counted") {
