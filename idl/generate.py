@@ -2,7 +2,9 @@
 """Reads c3rt.idl and writes what follows from it.
 
     generate.py fields IDL HEADER      C++: every field of every struct by name, every enumerator's word
-    generate.py python IDL DIRECTORY   Python: the package c3rt with a class for every type, for the package cyclonedds 11
+    generate.py python IDL DIRECTORY   Python: the package c3rt with a class for every type, for the package cyclonedds 11;
+                                       a field that is not given is zero
+    generate.py topics TABLE FILE      Python: the rows of topics.hpp, for the package's own client
 
 It knows the part of IDL that every client can have, and refuses the rest: names that are keywords of a client's language,
 arrays of arrays, types that are not final or not of fixed size. Needs nothing but Python 3.
@@ -309,8 +311,29 @@ def python_files(document):
     def annotation(kind, size):
         return marker(kind) if size is None else f"types.array[{marker(kind)}, {size}]"
 
+    def zero(kind):
+        """A value in words: 0, "", the first enumerator, a struct of such."""
+        if isinstance(kind, tuple):
+            return '""'
+        if kind in document.typedefs:
+            of, size = document.typedefs[kind]
+            return zero(of) if size is None else zeros(of, size)
+        if kind in document.enums:
+            return f"{kind.split('::')[-1]}.{document.enums[kind][0]}"
+        if kind in document.structs:
+            return f"{kind.split('::')[-1]}()"
+        return {"double": "0.0", "float": "0.0", "boolean": "False"}.get(kind, "0")
+
+    def zeros(kind, size):
+        shared = kind not in document.structs and not (kind in document.typedefs and document.typedefs[kind][1])
+        return f"[{zero(kind)}] * {size}" if shared else f"[{zero(kind)} for _ in range({size})]"
+
+    def default(kind, size):
+        value = zero(kind) if size is None else zeros(kind, size)
+        return f"field(default_factory=lambda: {value})" if value.endswith(")") or "[" in value else value
+
     for module in modules:
-        out = ["# Generated from c3rt.idl by generate.py, for the package cyclonedds 11.", "from dataclasses import dataclass",
+        out = ["# Generated from c3rt.idl by generate.py, for the package cyclonedds 11.", "from dataclasses import dataclass, field",
                "from enum import auto", "", "import cyclonedds.idl as idl", "import cyclonedds.idl.annotations as annotate",
                "import cyclonedds.idl.types as types", "", "import c3rt", ""]
         for name, value in document.consts.items():
@@ -331,7 +354,7 @@ def python_files(document):
                 out += ["", "", "@dataclass", "@annotate.final", "@annotate.autoid('sequential')",
                         f"class {name}(idl.IdlStruct, typename='{dotted}'):"]
                 for field in struct.fields:
-                    out.append(f"    {field.name}: {annotation(field.kind, field.size)}")
+                    out.append(f"    {field.name}: {annotation(field.kind, field.size)} = {default(field.kind, field.size)}")
                     if field.is_key:
                         out.append(f"    annotate.key('{field.name}')")
         out += ["", ""]
@@ -344,12 +367,34 @@ def python_files(document):
     return files
 
 
+def topics_file(text, path="topics.hpp"):
+    """The rows of the table TOPIC(Type, "name", quality, writers, readers, deadline, trait) in its order."""
+    rows = re.findall(r'TOPIC\((\w+),\s*"([^"]+)",\s*k(\w+),\s*([^,]+),\s*[^,]+,\s*([0-9.]+),\s*k(\w+)\)', text)
+    if len(rows) != len(re.findall(r'\bTOPIC\(\w+,\s*"', text)) or not rows:
+        raise IdlError(f"{path}: expected rows TOPIC(Type, \"name\", kQuality, writers, readers, deadline, kTrait)")
+    out = ['"""Generated from idl/topics.hpp by idl/generate.py: each topic\'s name, type, quality, its one writer (or ""),',
+           'deadline in seconds (or 0), whether it is addressed, and its place in Tick.newest_seq (or -1)."""', "", "ROWS = ("]
+    streams = 0
+    for kind, name, quality, writers, deadline, trait in rows:
+        process = re.fullmatch(r"k(Plant|Impedance|Planner|Vision)", writers.strip())
+        stream = -1
+        if quality in ("Stream", "Plan"):
+            stream, streams = streams, streams + 1
+        out.append(f'    ("{name}", "{kind}", "{quality.lower()}", "{process.group(1).lower() if process else ""}", '
+                   f'{float(deadline)}, {trait == "Addressed"}, {stream}),')
+    return "\n".join(out + [")", ""])
+
+
 def main(arguments):
-    if len(arguments) != 3 or arguments[0] not in ("fields", "python"):
+    if len(arguments) != 3 or arguments[0] not in ("fields", "python", "topics"):
         print(__doc__, file=sys.stderr)
         return 2
     back_end, source, target = arguments[0], Path(arguments[1]), Path(arguments[2])
     try:
+        if back_end == "topics":
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(topics_file(source.read_text(), str(source)))
+            return 0
         document = Document(source.read_text(), str(source))
     except (IdlError, OSError) as error:
         print(f"generate.py: {error}", file=sys.stderr)

@@ -74,6 +74,28 @@ class Contract(unittest.TestCase):
                 generate.Document(text[:last] + line + text[last:])
 
 
+class Topics(unittest.TestCase):
+    def test_the_rows_are_those_of_the_table_in_its_order(self):
+        text = (ROOT / "idl/topics.hpp").read_text()
+        rows = {}
+        exec(generate.topics_file(text), rows)
+        by_name = {row[0]: row[1:] for row in rows["ROWS"]}
+        self.assertEqual(by_name["robot/state"][:4], ("RobotState", "stream", "plant", 0.02))
+        self.assertEqual(by_name["sim/done"][1:3], ("sync", ""))
+        self.assertTrue(by_name["sim/tick"][4])
+        streams = [row[-1] for row in rows["ROWS"] if row[-1] >= 0]
+        constants = generate.Document((ROOT / "idl/c3rt.idl").read_text()).consts
+        self.assertEqual(streams, list(range(len(streams))))
+        self.assertLessEqual(len(streams), constants["c3rt::v2::TOPIC_COUNT"])
+
+    def test_a_row_that_is_not_understood_is_refused(self):
+        row = 'TOPIC(A, "a", kStream, kPlant, kAll, 0.0, kNone)'
+        generate.topics_file(row)
+        for text in ("", row + ' TOPIC(B, "b", kStream, kPlant, kAll)'):
+            with self.assertRaisesRegex(generate.IdlError, "topics.hpp: expected rows TOPIC"):
+                generate.topics_file(text)
+
+
 class Words(unittest.TestCase):
     def test_a_word_is_what_is_left_without_what_all_begin_with(self):
         self.assertEqual(generate.words_of(["ROBOT_IDLE", "ROBOT_USER_STOPPED"]), ["idle", "user stopped"])
