@@ -170,8 +170,10 @@ Services listen(wire::Bus& bus, double seconds) {
     wire::ServiceStatus status{};
     while (reader.take(status)) {
       const auto process = static_cast<std::size_t>(status.process);
-      // what an older instance left behind is no word of this one
-      const bool ours = session == 0 || status.header.session_id == session;
+      // what an older instance left behind is no word of this one; who plays a process may know
+      // none
+      const std::uint64_t theirs = status.header.session_id;
+      const bool ours = session == 0 || theirs == 0 || theirs == session;
       if (ours && process < services.size()) services[process] = status;
     }
     return std::count_if(services.begin(), services.end(),

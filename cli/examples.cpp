@@ -23,6 +23,7 @@ const Examples kExamples{
       {"c3rt run circle_slow --in-process", "the same samples in a tenth of the time"},
       {"c3rt run circle_vision --seed 7 --out out/v7", "in real time, with three cameras"},
       {"c3rt run circle_slow --set planner.c3.admm_iterations=2", ""},
+      {"c3rt run circle_slow --without planner", "with a planner of your own: docs/clients.md"},
       {"c3rt run cart_pole --set c3.projection=miqp", "a numerical example of the paper"}}},
     {"soak",
      {{"c3rt soak circle_service --duration 2h", "in real time, with the processes of a service"},

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cli/client.hpp"
+#include "cli/guests.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
 #include "controller/rt/periodic_clock.hpp"
@@ -66,8 +67,11 @@ void Keeper::hear(double now) {
     if (process < heard_.size()) heard_[process] = status;
   }
   int count = 0;
-  for (const wire::ServiceStatus& each : heard_) count += each.pid != 0 && in_service(each) ? 1 : 0;
-  came_up_ = came_up_ || count >= 4;
+  for (const wire::ServiceStatus& each : heard_) {
+    const bool ours = !launch_.leaves_out(wire::process_name(each.process));
+    count += each.pid != 0 && ours && in_service(each) ? 1 : 0;
+  }
+  came_up_ = came_up_ || count >= launch_.process_count();
   if (robot_well()) well_at_ = now;
 
   wire::TaskTarget target{};
@@ -202,6 +206,7 @@ void Keeper::tell(const std::string& sentence) const {
 
 void Keeper::write_notes() const {
   std::vector<std::string> notes;
+  if (!launch_.without().empty()) notes.push_back("waits for " + guests_text(launch_));
   for (const auto& [name, kept] : kept_) {
     const int restarts = kept.policy.deaths() - (kept.due || kept.given_up ? 1 : 0);
     std::string note = restarts > 0 ? fmt::format("{} was started again {}", name, times(restarts))

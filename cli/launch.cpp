@@ -1,11 +1,15 @@
 #include "cli/launch.hpp"
 
+#include <algorithm>
 #include <ctime>
+#include <iterator>
+#include <set>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "cli/guests.hpp"
 #include "cli/keys/keystore.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
@@ -71,6 +75,7 @@ void Launch::lock_domain() {
               : std::make_unique<DomainLock>(runtime_directory(), settings_.domain, self);
   bus_.domain = lock_->domain();
   for (const char* name : kProcesses) {
+    if (leaves_out(name)) continue;
     const fs::path program = process_directory() / (std::string("c3rt-") + name);
     if (access(program.c_str(), X_OK) != 0)
       throw UsageError("there is no program " + program.string());
@@ -81,13 +86,18 @@ void Launch::require_free_bus() const {
   wire::BusSettings look = bus_;
   look.clock = wire::ClockMode::kRealtime;
   look.session_id = 0;
-  const wire::Bus bus(look);
+  wire::Bus bus(look);
   // with keys two participants know each other later
   const bool secure = wire::is_secure(read_text(look.profile_uri));
   const double seconds = secure ? kLookWithKeys : kLookForNeighbours;
   // a domain that was drawn is silent already
-  const std::vector<Neighbour> others =
+  std::vector<Neighbour> others =
       settings_.any_domain ? std::vector<Neighbour>() : neighbours(bus, seconds);
+  if (!others.empty() && !settings_.without.empty()) {
+    const std::set<int> guests = guests_on(bus, settings_.without, seconds);
+    const auto is_guest = [&guests](const Neighbour& other) { return guests.count(other.pid) > 0; };
+    others.erase(std::remove_if(others.begin(), others.end(), is_guest), others.end());
+  }
   if (others.empty()) return;
   throw UsageError(fmt::format(
       "DDS domain {} is busy: {} of an instance that is not yours, or was started by hand; choose "
@@ -116,7 +126,19 @@ ChildSpec Launch::spec_of(const std::string& name, bool recorded) const {
 }
 
 void Launch::start(Supervisor& supervisor, bool recorded) const {
-  for (const char* name : kProcesses) supervisor.start(spec_of(name, recorded));
+  for (const char* name : kProcesses) {
+    if (!leaves_out(name)) supervisor.start(spec_of(name, recorded));
+  }
+}
+
+bool Launch::leaves_out(const std::string& name) const {
+  const std::vector<std::string>& without = settings_.without;
+  return std::find(without.begin(), without.end(), name) != without.end();
+}
+
+int Launch::process_count() const {
+  return static_cast<int>(std::count_if(std::begin(kProcesses), std::end(kProcesses),
+                                        [this](const char* name) { return !leaves_out(name); }));
 }
 
 void Launch::restart(Supervisor& supervisor, const std::string& name) const {

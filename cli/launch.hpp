@@ -27,6 +27,7 @@ struct LaunchSettings {
   bool any_domain = false;            // the first free one, instead of `domain`
   bool pictures = true, logs = true;  // of c3rt run
   std::string dds_profile = "loopback";
+  std::vector<std::string> without;  // processes that a client plays: "planner"
 
   const char* clock_name() const { return lockstep ? "lockstep" : "realtime"; }
 };
@@ -44,16 +45,21 @@ class Launch {
   explicit Launch(const LaunchSettings& settings);
 
   /// Looks on the bus whether somebody else's processes are there, which no lock of ours tells.
+  /// Who plays a process that is left out may be there already.
   /// @throws UsageError that names them, wire::ProfileError for a profile that is refused
   void require_free_bus() const;
 
-  /// Starts the four processes, each with its log in out()/logs.
+  /// Starts the four processes, but for those that are left out, each with its log in out()/logs.
   /// @param recorded lockstep: the plant waits for the recorder, too
   void start(Supervisor& supervisor, bool recorded) const;
   /// Starts one of them anew, in the same session.
   void restart(Supervisor& supervisor, const std::string& name) const;
 
   bool lockstep() const { return settings_.lockstep; }
+  const std::vector<std::string>& without() const { return settings_.without; }
+  bool leaves_out(const std::string& name) const;
+  int process_count() const;  // that are ours
+  const std::string& profile() const { return settings_.dds_profile; }
   const config::Scenario& scenario() const { return scenario_; }
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }

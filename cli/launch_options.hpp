@@ -70,6 +70,16 @@ struct LaunchOptions {
     return settings;
   }
 
+  /// Of c3rt run, up and serve.
+  void add_without_to(CLI::App& command) {
+    command
+        .add_option("--without", settings.without,
+                    "Leaves a process out, which a client plays: planner, vision or impedance "
+                    "(docs/clients.md); several with a comma between them")
+        ->delimiter(',')
+        ->check(one_of({"planner", "vision", "impedance"}));
+  }
+
   /// Of c3rt run, soak and chaos.
   void add_in_process_to(CLI::App& command) {
     command.add_flag(
@@ -91,8 +101,8 @@ struct LaunchOptions {
   std::optional<ExampleSettings> read_example() const {
     const std::filesystem::path file = scenario_path(settings.scenario);
     if (!is_example(file)) return std::nullopt;
-    for (const char* option :
-         {"--clock", "--in-process", "--domain", "--dds", "--no-pictures", "--no-logs"}) {
+    for (const char* option : {"--clock", "--in-process", "--domain", "--dds", "--no-pictures",
+                               "--no-logs", "--without"}) {
       if (command_->count(option) > 0) {
         throw UsageError(
             fmt::format("{}: {} is a numerical example: it runs in this process, in its own time, "
@@ -115,6 +125,7 @@ struct LaunchOptions {
                                    "--domain=" + domain_,
                                    "--dds=" + settings.dds_profile};
     if (!settings.out.empty()) words.push_back("--out=" + settings.out);
+    for (const std::string& name : settings.without) words.push_back("--without=" + name);
     for (const std::string& assignment : settings.overrides) words.push_back("--set=" + assignment);
     return words;
   }
@@ -125,6 +136,8 @@ struct LaunchOptions {
       if (command_->count(option) > 0)
         throw UsageError(fmt::format("{}: --in-process runs without DDS", option));
     }
+    if (!settings.without.empty())
+      throw UsageError("--without: --in-process runs without DDS, so no client can join");
     if (command_->count("--clock") > 0 && clock_ != "lockstep")
       throw UsageError("--clock realtime: --in-process runs in simulated time");
   }

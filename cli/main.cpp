@@ -141,15 +141,20 @@ class CommandLine {
         });
     launch_.add_to(*run);
     launch_.add_results_to(*run);
+    launch_.add_without_to(*run);
     add_soak();
     add_chaos();
-    up_.add_to(*command(app_, "up", "Starts the four processes as a service and returns", [this] {
-      const cli::LaunchSettings settings = up_.read("up");
-      return cli::up(settings, up_.words());
-    }));
+    CLI::App* up =
+        command(app_, "up", "Starts the four processes as a service and returns", [this] {
+          const cli::LaunchSettings settings = up_.read("up");
+          return cli::up(settings, up_.words());
+        });
+    up_.add_to(*up);
+    up_.add_without_to(*up);
     CLI::App* serve = command(app_, "serve", "The supervisor behind c3rt up, in the foreground",
                               [this] { return cli::serve(serve_.read("up")); });
     serve_.add_to(*serve);
+    serve_.add_without_to(*serve);
     add_seat(*command(app_, "down", "Ends the instance on this domain",
                       [this] { return cli::down(seat_); }),
              seat_);

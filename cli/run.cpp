@@ -8,6 +8,7 @@
 #include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "cli/guests.hpp"
 #include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
@@ -78,12 +79,25 @@ int run(const LaunchSettings& settings) {
       task.repeats() ? scenario.task.loops : static_cast<int>(scenario.plant.world.objects.size());
   if (!settings.in_process) launch.require_free_bus();
   Supervisor supervisor;
+  const auto start = [&] {
+    launch.start(supervisor, true);
+    if (settings.without.empty()) return true;
+    fmt::print("waits for {}\n", guests_text(launch));
+    std::fflush(stdout);
+    const bool came = await_guests(launch, supervisor);
+    if (!came) launch.lock().set_ended("interrupted");
+    return came;
+  };
+  // in lockstep the recorder takes part from the first tick on; in realtime nothing is recorded
+  // before a client has come
+  const bool starts_first = !settings.without.empty() && !settings.lockstep;
+  if (starts_first && !start()) return kCriterionFailed;
   Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
                     {task, scenario.task.loops, scenario.task.duration_s}, launch.out());
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
       task.unit(), course_goal, scenario.task.duration_s);
-  if (!settings.in_process) launch.start(supervisor, true);
+  if (!settings.in_process && !starts_first && !start()) return kCriterionFailed;
   double looked_at = wall_time();
   const auto show = [&](const Live& live) {
     table.update(live);
@@ -107,6 +121,7 @@ int run(const LaunchSettings& settings) {
   report.real_time_factor = recorder.real_time_factor();
   report.reflexes = reflex_names(report.figures.error_bits);
   report.log_hash = recorder.log_hash();
+  report.guests = look_at_guests(launch, recorder.series(), live);
   const bool met = all_met(report.figures.criteria);
   if (!ending.failed.empty()) {
     report.result = ending.failed;

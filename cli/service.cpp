@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "cli/fields.hpp"
+#include "cli/guests.hpp"
 #include "cli/keeper.hpp"
 #include "cli/lock.hpp"
 #include "cli/neighbours.hpp"
@@ -70,6 +71,19 @@ int count_in_service(const Services& services) {
   return static_cast<int>(std::count_if(services.begin(), services.end(), is_up));
 }
 
+/// Names of our processes that are not in service, with a comma between them.
+std::string not_in_service(const Services& services, const std::vector<std::string>& without) {
+  std::string names;
+  for (int i = 0; i < wire::kProcessCount; ++i) {
+    const std::string name = wire::process_name(static_cast<wire::Process>(i));
+    const bool left_out = std::find(without.begin(), without.end(), name) != without.end();
+    if (i == c3rt_v2_PROCESS_RECORDER || left_out || is_up(services[static_cast<std::size_t>(i)]))
+      continue;
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  return names;
+}
+
 }  // namespace
 
 int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arguments) {
@@ -97,16 +111,16 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
     // one bus for all looks: where it is secure, processes take a second and more to trust it
     if (!bus) bus.emplace(bus_settings(seat));
     const Services services = listen(*bus, 1.0);
-    if (count_in_service(services) == 4) {
+    missing = not_in_service(services, settings.without);
+    if (missing.empty()) {
       fmt::print("{} is up (pid {}, domain {}, logs in {}/logs)\n{}", instance->scenario, pid,
                  settings.domain, instance->out, service_table(services));
+      // those of now: they were written while it was listened
+      const auto now = holder(runtime_directory(), settings.domain);
+      if (now) {
+        for (const std::string& note : now->notes) fmt::print("{}\n", note);
+      }
       return kDone;
-    }
-    missing.clear();
-    for (int i = 0; i < wire::kProcessCount; ++i) {
-      if (i == c3rt_v2_PROCESS_RECORDER || is_up(services[static_cast<std::size_t>(i)])) continue;
-      missing += (missing.empty() ? "" : ", ") +
-                 std::string(wire::process_name(static_cast<wire::Process>(i)));
     }
     std::this_thread::sleep_for(milliseconds(100));
   }
@@ -121,6 +135,7 @@ int serve(const LaunchSettings& settings) {
   launch.require_free_bus();
   Supervisor supervisor;
   launch.start(supervisor, false);
+  if (!settings.without.empty()) launch.lock().set_notes({"waits for " + guests_text(launch)});
   fmt::print("{} runs on domain {}\n", launch.scenario().name, settings.domain);
   std::fflush(stdout);
   std::optional<ChildExit> end;

@@ -101,6 +101,8 @@ ordered_json to_json(const Report& report) {
   for (const auto& [name, reading] : figures.readings) path[name] = to_json(reading);
   ordered_json task;  // null but for a task with figures of its own
   for (const auto& [name, value] : figures.task) task[name] = number(value);
+  ordered_json guests = ordered_json::array();
+  for (const Guest& guest : report.guests) guests.push_back(to_json(guest));
   return {
       {"scenario", report.scenario},
       {"seed", report.seed},
@@ -143,6 +145,7 @@ ordered_json to_json(const Report& report) {
        {{"real_time_factor", number(report.real_time_factor)},
         {"reflexes", report.reflexes},
         {"success_rate_min", number(figures.success_rate_min)}}},
+      {"clients", guests},
       {"log_hash", report.log_hash},
   };
 }
@@ -192,6 +195,12 @@ std::string summary(const Report& report) {
                        : "",
                    figures.dropped_frames));
   line("exposure to torque", shown(figures.exposure_to_torque, kMilli, 1) + " ms");
+  for (const Guest& guest : report.guests) {
+    line(("your " + guest.process).c_str(),
+         fmt::format("{} of {}, {} Hz, in effect after {} ms", guest.samples, guest.topic,
+                     shown(guest.rate, 1, 1), shown(guest.age, kMilli, 1)));
+    for (const std::string& problem : guest.problems) line("", problem);
+  }
   for (const CriterionResult& c : figures.criteria) {
     line(c.met ? "met" : "NOT MET",
          fmt::format("{}: {} (limit {:g})", c.name,

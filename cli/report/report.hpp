@@ -6,6 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "cli/report/guests.hpp"
 #include "cli/report/metrics.hpp"
 
 namespace c3rt::cli {
@@ -29,6 +30,7 @@ struct Report {
   double real_time_factor = kNone;    // time of the plant / time of the wall
   std::vector<std::string> reflexes;  // names of the errors that stopped the robot
   std::string log_hash;
+  std::vector<Guest> guests;  // clients that played a process
 };
 
 /// @return true if every criterion is met

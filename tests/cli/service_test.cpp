@@ -14,6 +14,7 @@
 #include "cli/paths.hpp"
 #include "tests/cli/eventually.hpp"
 #include "tests/cli/place.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/small_disk.hpp"
 
 namespace {
@@ -156,6 +157,43 @@ TEST_CASE("service: on a domain in use another user's instance is refused and to
   CHECK_THAT(down.output, Contains("not yours") && Contains("user "));
   CHECK(service.c3rt("status" + service.on_domain()).status ==
         0);  // and nothing has happened to it
+}
+
+TEST_CASE("service: a process that is left out is a client's, before or after the others") {
+  const Service service;
+  const auto client = [] {
+    return c3rt::test::ChildProcess(
+        {"/bin/bash", "-c",
+         "exec -a c3rt-planner '" C3RT_STUB_PROCESS "' '" C3RT_SOURCE_DIRECTORY
+         "/config/scenarios/circle_slow.yaml' --domain=96 --dds-profile='" C3RT_SOURCE_DIRECTORY
+         "/config/dds/loopback.xml'"});
+  };
+  const std::string up = "up circle_slow --without planner" + service.start_options();
+  const auto status = [&] { return service.c3rt("status" + service.on_domain()); };
+  const Outcome after = service.c3rt(up);
+  REQUIRE(after.status == 0);
+  CHECK_THAT(after.output, Contains("waits for planner: yours, on domain 96, profile loopback"));
+  CHECK(service.started("vision"));
+  CHECK_FALSE(service.started("planner"));
+  CHECK(status().status == 3);  // nobody plans
+  {
+    const auto planner = client();
+    CHECK(eventually([&] { return status().status == 0; }));
+    CHECK(service.c3rt("down" + service.on_domain()).status == 0);
+    CHECK(service.empty());
+
+    REQUIRE(service.c3rt(up).status == 0);  // it is there already
+    CHECK(status().status == 0);
+    CHECK(service.c3rt("down" + service.on_domain()).status == 0);
+    const Outcome busy = service.c3rt("up circle_slow" + service.start_options());
+    CHECK(busy.status == 2);
+    CHECK_THAT(busy.output, Contains("DDS domain 96 is busy"));
+  }
+  const Outcome nonsense = service.c3rt("run circle_slow --without planner,moon --in-process");
+  CHECK(nonsense.status == 2);
+  const Outcome in_process = service.c3rt("run circle_slow --without planner --in-process");
+  CHECK(in_process.status == 2);
+  CHECK_THAT(in_process.output, Contains("--without: --in-process runs without DDS"));
 }
 
 TEST_CASE("service: after everything was killed it comes up again at once") {

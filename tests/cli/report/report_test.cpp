@@ -29,11 +29,11 @@ TEST_CASE("the report has exactly the keys that other programs read") {
   report.figures.objects.resize(1);
   report.figures.criteria = {{"in_band_2cm", 0.97, 0.95, true}};
   const ordered_json json = to_json(report);
-  REQUIRE(keys(json) == Names{"scenario",    "seed",         "clock",           "duration_s",
-                              "result",      "criteria",     "loops_completed", "loop_times_s",
-                              "task",        "objects",      "judged",          "path",
-                              "out_of_band", "end_effector", "planner",         "impedance",
-                              "vision",      "latency",      "plant",           "log_hash"});
+  REQUIRE(keys(json) ==
+          Names{"scenario",        "seed",         "clock",   "duration_s", "result", "criteria",
+                "loops_completed", "loop_times_s", "task",    "objects",    "judged", "path",
+                "out_of_band",     "end_effector", "planner", "impedance",  "vision", "latency",
+                "plant",           "clients",      "log_hash"});
   const Names quantiles{"p50", "p95", "p99", "max"};
   REQUIRE(keys(json["criteria"][0]) == Names{"name", "value", "limit", "met"});
   REQUIRE(keys(json["objects"][0]) == Names{"rms_error_m", "p95_error_m", "max_error_m",
