@@ -1,0 +1,9 @@
+"""What a client can meet beside wrong arguments."""
+
+
+class Refused(RuntimeError):
+    """A process has answered that it does not do what it was asked; the text says why."""
+
+
+class NoAnswer(TimeoutError):
+    """Nobody has answered, or nothing has come, for as long as was given."""

@@ -1,0 +1,146 @@
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+pytest.importorskip("cyclonedds", reason="the package cyclonedds is the extra [dds]")
+
+from cyclonedds.qos import Policy  # noqa: E402
+
+import c3rt.v2 as types  # noqa: E402
+from c3rt.client import Client, Estimate, Estimator, Knot, NoAnswer, Planner, _bus, _client, _process  # noqa: E402
+
+
+def test_the_library_alone_imports_no_dds():
+    words = "import sys, c3rt; sys.exit(any(name.split('.')[0] == 'cyclonedds' for name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", words]).returncode == 0
+
+
+def words_of(qos):
+    """Of a quality of service, as docs/clients.md writes it."""
+    words = ["reliable" if isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable) else "best effort"]
+    words.append("transient local" if qos[Policy.Durability] == Policy.Durability.TransientLocal else "volatile")
+    words.append(f"keep last {qos[Policy.History].depth}")
+    if qos[Policy.Deadline] is not None:
+        words.append(f"deadline {qos[Policy.Deadline].deadline // 1_000_000} ms")
+    if qos[Policy.Liveliness] is not None:
+        words.append(f"liveliness lease {qos[Policy.Liveliness].lease_duration // 1_000_000} ms")
+    return ", ".join(words)
+
+
+def rows_of_the_page():
+    return re.findall(r"^\| ([a-z]+(?:/[a-z]+)?) \| c3rt::v2::(\w+) \| ([^|]+) \| ([^|]+) \|$",
+                      (ROOT / "docs/clients.md").read_text(), re.MULTILINE)
+
+
+def test_the_topics_are_those_of_the_page():
+    assert {(name, kind) for name, kind, _, _ in rows_of_the_page()} == {(t.name, t.type) for t in _bus.TOPICS.values()}
+
+
+@pytest.mark.parametrize("name, kind, offered, requested", rows_of_the_page(), ids=lambda row: row if "/" in row else "")
+def test_writers_offer_and_readers_request_what_the_page_says(name, kind, offered, requested):
+    topic = _bus.topic_of(name)
+    assert words_of(_bus.writer_qos(topic)) == offered.replace(", strength 100", "")
+    # a reader may ask for less: the deadline is the service's own
+    assert words_of(_bus.reader_qos(topic, depth=256 if topic.quality == "sync" else 1)) == re.sub(
+        ", deadline \\d+ ms", "", requested)
+    strong = _bus.writer_qos(topic, lockstep=True, process="planner")[Policy.OwnershipStrength]
+    assert (strong is not None) == ("strength 100" in offered)
+
+
+def test_every_type_is_there_and_empty_unless_it_is_told():
+    for topic in _bus.TOPICS.values():
+        kind = getattr(types, topic.type)
+        assert kind.deserialize(kind().serialize()) == kind()
+    plan = types.Plan()
+    plan.knots[0].p_WE_m[0] = 1.0
+    assert plan.knots[1].p_WE_m == [0, 0, 0] and types.Plan().knots[0].p_WE_m == [0, 0, 0]
+
+
+def test_a_target_has_its_parameters_as_the_page_says():
+    sample = _client.target_sample("pose", {"goals_m": [[0.55, 0.05], [0.5, 0.0]], "hold_s": 1, "loop": True, "between": "t"}, 7)
+    assert (sample.kind, sample.request_id, sample.parameter_count) == ("pose", 7, 4)
+    goals, hold, loop, between = sample.parameters[:4]
+    assert (goals.name, goals.value_count, goals.values[:5]) == ("goals_m", 4, [0.55, 0.05, 0.5, 0.0, 0.0])
+    assert (hold.value_count, hold.values[0], loop.values[0]) == (1, 1.0, 1.0)
+    assert (between.value_count, between.word) == (0, "t")
+    assert types.TaskTarget.deserialize(sample.serialize()) == sample
+
+
+@pytest.mark.parametrize("call, error, message", [
+    (lambda: Client(domain="0"), TypeError, "^domain: expected a whole number from 0 to 230, got '0'"),
+    (lambda: Client(domain=231), ValueError, "^domain: expected a whole number from 0 to 230, got 231"),
+    (lambda: Client(profile="moon"), ValueError, "^profile: expected lan, loopback or a file, got 'moon'"),
+    (lambda: Client(profile=3), TypeError, "^profile: expected a name or a path, got 3"),
+    (lambda: Client(profile=str(ROOT / "config/dds/secure.xml")), ValueError, "^profile: .*secure.xml wants keys"),
+    (lambda: _bus.topic_of("robot/stat"), ValueError, "^topic: expected one of sim/scene, .*, got 'robot/stat'"),
+    (lambda: _client.target_sample("", {}), ValueError, "^kind: expected a text of 1 to 31 bytes, got ''"),
+    (lambda: _client.target_sample("pose", {"goals_m": [1, None]}), TypeError, "^goals_m: expected numbers .* got None"),
+    (lambda: _client.target_sample("pose", {"goals_m": [0] * 65}), ValueError, "^goals_m: expected at most 64 numbers, got 65"),
+    (lambda: _client.target_sample("pose", {f"p{i}": 0 for i in range(17)}), ValueError, "^target: expected at most 16"),
+    (lambda: _client.process_of("moon"), ValueError, "^process: expected one of plant, impedance, planner, vision, got 'moon'"),
+    (lambda: Planner().run(clock="mine"), ValueError, "^clock: expected realtime or lockstep, got 'mine'"),
+    (lambda: type("P", (Planner,), {"rate_hz": 0})().run(), ValueError, "^rate_hz: expected a number from 1 to 1000, got 0"),
+    (lambda: _process._vector("knots[0].p", [1, 2], 3), ValueError, r"^knots\[0\].p: expected the shape \(3,\), got \(2,\)"),
+    (lambda: _process._vector("knots[0].p", [1, 2, np.nan], 3), ValueError, r"^knots\[0\].p: expected finite numbers"),
+    (lambda: _process._vector("knots[0].p", "abc", 3), TypeError, r"^knots\[0\].p: expected 3 numbers, got 'abc'"),
+    (lambda: _process._quaternion("q", [0, 0, 0, 0]), ValueError, "^q: expected a quaternion w x y z, got zeros"),
+])
+def test_what_is_wrong_is_named_with_what_was_expected(call, error, message):
+    with pytest.raises(error, match=message):
+        call()
+
+
+def planner():
+    plans = Planner()
+    plans._state_now, plans._seen = types.RobotState(header=types.Header(1, 1, 40)), {}
+    return plans
+
+
+def test_a_plan_s_knots_are_those_that_were_said_from_when_it_takes_effect():
+    plan = planner()._sample([Knot([0.5, 0, 0.1], after=0.0), Knot((0.5, 0.1, 0.1), q=[2, 0, 0, 0], after=0.05)], "roll", 1000, 0.0)
+    assert (plan.knot_count, plan.phase, plan.origin.state_ns) == (2, "roll", 40)
+    assert [knot.time_ns for knot in plan.knots[:2]] == [1000, 50_001_000]
+    assert plan.knots[0].q_WE == [0, 1, 0, 0] and plan.knots[1].q_WE == [1, 0, 0, 0]
+    assert plan.valid_until_ns == 1000 + 100_000_000
+
+
+@pytest.mark.parametrize("knots, phase, error, message", [
+    ([], "roll", ValueError, "expected 1 to 16 knots, got 0"),
+    ([Knot([0, 0, 0], after=i) for i in range(17)], "roll", ValueError, "expected 1 to 16 knots, got 17"),
+    ([Knot([0, 0, 0]), Knot([0, 0, 0])], "roll", ValueError, r"^knots\[1\].after: expected more than that before"),
+    ([[0, 0, 0]], "roll", TypeError, "expected a Knot or several"),
+    ([Knot([0, 0, 0])], "", ValueError, "^phase: expected a text of 1 to 31 bytes, got ''"),
+])
+def test_a_plan_that_cannot_be_is_refused_where_it_is_made(knots, phase, error, message):
+    with pytest.raises(error, match=message):
+        planner()._sample(knots, phase, 0, 0.0)
+
+
+def test_an_estimate_is_an_estimate_of_an_object_that_can_be():
+    sees = Estimator()
+    sees._text = ""
+    with pytest.raises(TypeError, match="expected a list of Estimate"):
+        sees._write(0, [(0, [0, 0, 0])])
+    with pytest.raises(ValueError, match="^index: expected 0 to 7, got 8"):
+        sees._write(0, [Estimate(8, [0, 0, 0])])
+
+
+def test_where_nobody_writes_it_is_told_on_which_domain_and_what_to_do(monkeypatch):
+    with Client(domain=87) as client:
+        with pytest.raises(NoAnswer, match="^plan: nothing has come for 0.1 s on domain 87, profile loopback: c3rt status"):
+            client.newest("plan", timeout=0.1)
+        with pytest.raises(NoAnswer, match="^planner did not answer for 0.1 s on domain 87"):
+            client.target("hold", timeout=0.1)
+        with Client(domain=87) as other:  # one process, two clients of one domain
+            assert other.status(timeout=0.1) == {}
+        with pytest.raises(ValueError, match="^domain: 87 is in use in this process with another profile"):
+            Client(domain=87, profile="lan")
+    with pytest.raises(RuntimeError, match="closed"):
+        client.reader("plan")
+    client.close()

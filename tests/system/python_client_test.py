@@ -1,0 +1,130 @@
+"""c3rt.client beside real processes, in lockstep: what docs/clients.md promises, with its own programs. Run by pytest.
+
+C3RT_PROGRAM names c3rt, PYTHONPATH has the package.
+"""
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+pytest.importorskip("cyclonedds", reason="the package cyclonedds could not be had")
+
+from c3rt.client import Client, Estimate, Estimator, Refused  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["C3RT_PROGRAM"]
+DOMAIN = 100 + os.getpid() % 100
+PATIENCE = 60
+
+
+@pytest.fixture(autouse=True)
+def runtime(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+
+
+def c3rt(*words, status=0):
+    ran = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE)
+    assert ran.returncode == status, ran.stdout + ran.stderr
+    return ran.stdout
+
+
+def example(*words):
+    return subprocess.Popen([sys.executable, str(ROOT / "examples/python_planner/planner.py"), "--domain", str(DOMAIN), *words],
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def run(scenario, without, out, *words, status=0):
+    said = c3rt("run", scenario, "--without", without, "--clock", "lockstep", "--domain", DOMAIN, "--no-pictures", "--no-logs",
+                "--out", out, *words, status=status)
+    return json.loads((out / "report.json").read_text()), said
+
+
+def test_a_planner_of_one_s_own_rolls_the_ball_and_gives_the_same_bits_twice(tmp_path):
+    hashes = []
+    for turn in ("first", "second"):
+        planner = example("--clock", "lockstep")
+        report, said = run(ROOT / "examples/python_planner/roll.yaml", "planner", tmp_path / turn)
+        words, _ = planner.communicate(timeout=PATIENCE)
+        assert (planner.returncode, words) == (0, "")
+        hashes.append(report["log_hash"])
+    assert report["result"] == "passed" and "your planner" in said
+    client = report["clients"][0]
+    assert client["process"] == "planner" and client["problems"] == []
+    assert client["rate_hz"] == pytest.approx(100.0, rel=0.01) and client["age_s"]["max"] < 0.01
+    assert hashes[0] == hashes[1]
+
+
+class FromTruth(Estimator):
+    """Where the objects are, as the plant says."""
+
+    def estimate(self, time_s, truth):
+        return [Estimate(i, body.p_WB_m, body.q_WB, body.v_WB_m_per_s) for i, body in enumerate(truth.objects[: truth.object_count])]
+
+
+def test_an_estimator_of_one_s_own_takes_vision_s_place(tmp_path):
+    vision = threading.Thread(target=FromTruth().run, kwargs={"domain": DOMAIN, "clock": "lockstep"})
+    vision.start()
+    report, _ = run("circle_slow", "vision", tmp_path / "out", "--duration", "3", status=1)
+    vision.join(PATIENCE)
+    assert not vision.is_alive()
+    client = report["clients"][0]
+    assert (client["process"], client["topic"], client["problems"]) == ("vision", "object/estimate", [])
+    assert client["rate_hz"] == pytest.approx(80.0, rel=0.01)
+    assert report["vision"]["dropped_frames"] <= 1 and report["vision"]["error_m"]["max"] < 1e-9
+
+
+def test_a_planner_that_does_it_wrong_is_named(tmp_path):
+    words = ("import sys\nfrom c3rt.client import Knot, Planner\n"
+             "class Lazy(Planner):\n    rate_hz = 2.0\n    def plan(self, now): return Knot(now.effector.p)\n"
+             f"Lazy().run({DOMAIN}, clock='lockstep')")
+    planner = subprocess.Popen([sys.executable, "-c", words])
+    report, said = run("circle_slow", "planner", tmp_path / "out", "--duration", "2", status=1)
+    assert planner.wait(PATIENCE) == 0
+    problems = report["clients"][0]["problems"]
+    assert len(problems) == 1 and re.match(r"rate: \d gaps of more than 0.2 s \(impedance.limits.plan_timeout_s\)", problems[0])
+    assert problems[0] in said
+
+
+def test_the_page_s_client_reads_commands_and_ends(tmp_path):
+    c3rt("up", "circle_slow", "--clock", "lockstep", "--domain", DOMAIN, "--out", tmp_path / "out")
+    try:
+        text = (ROOT / "docs/clients/client.py").read_text()
+        assert len([line for line in text.splitlines() if line and not line.startswith('"""')]) <= 10
+        script = tmp_path / "client.py"
+        script.write_text(text.replace("Client()", f"Client({DOMAIN})"))
+        client = subprocess.Popen([sys.executable, "-u", str(script)], stdout=subprocess.PIPE, text=True)
+        lines = [client.stdout.readline() for _ in range(20)]
+        client.terminate()
+        client.communicate(timeout=PATIENCE)
+        assert "circle" in lines[1], lines
+        numbers = [int(line.split()[0]) for line in lines[2:]]
+        assert numbers == sorted(numbers) and len(set(numbers)) == len(numbers)
+
+        with Client(DOMAIN) as robot:
+            assert set(robot.status()) == {"plant", "impedance", "planner", "vision"}
+            with pytest.raises(Refused, match="^planner: refused: circle: radius_m: expected a number"):
+                robot.target("circle", center_m=[0.55, 0.0], lead_rad=0.3)
+            assert [reply.process for reply in robot.stop()] == ["plant", "impedance", "planner"]
+            assert robot.newest("robot/state").mode.name in ("ROBOT_USER_STOPPED", "ROBOT_REFLEX")
+            assert len(robot.recover()) == 3
+            assert robot.fault("plant", "push-object", value=(0.001, 0, 0)).process == "plant"
+            with pytest.raises(Refused, match="^vision: "):
+                robot.fault("vision", "push-object", value=(0.001, 0, 0))
+    finally:
+        c3rt("down", "--domain", DOMAIN)
+
+
+def test_ctrl_c_ends_a_planner_that_waits_without_a_word():
+    for number, clock in ((signal.SIGINT, "lockstep"), (signal.SIGTERM, "realtime")):
+        planner = example("--clock", clock)
+        with Client(DOMAIN) as client:
+            assert any("planner" in client.status(timeout=0.3) for _ in range(100))
+        planner.send_signal(number)
+        words, _ = planner.communicate(timeout=PATIENCE)
+        assert (planner.returncode, words) == (0, "")
