@@ -55,8 +55,9 @@ const std::map<std::string, Kind> kKinds{
     {"impedance", {"robot/command", "origin.state_ns", "robot state", commands_of}}};
 
 /// Longer gaps than are allowed, in one stream.
-void tell_gaps(const std::vector<Stamps>& stream, std::int64_t start_ns, const std::string& of,
+void tell_gaps(const std::vector<Stamps>& stream, const Series& series, const std::string& of,
                const GuestLimits& limits, std::vector<std::string>& problems) {
+  const std::int64_t begin_ns = start_ns(series);
   int gaps = 0;
   std::int64_t longest_ns = 0, at_ns = 0;
   for (std::size_t i = 1; i < stream.size(); ++i) {
@@ -67,11 +68,16 @@ void tell_gaps(const std::vector<Stamps>& stream, std::int64_t start_ns, const s
       at_ns = stream[i - 1].time_ns;
     }
   }
-  if (gaps == 0) return;
-  problems.push_back(fmt::format(
-      "rate: {} gap{} of more than {:g} s ({}), the longest {:.3f} s from {:.3f} s on{}", gaps,
-      gaps == 1 ? "" : "s", limits.longest_gap, limits.gap_key, seconds(longest_ns),
-      seconds(at_ns - start_ns), of));
+  if (gaps > 0)
+    problems.push_back(fmt::format(
+        "rate: {} gap{} of more than {:g} s ({}), the longest {:.3f} s from {:.3f} s on{}", gaps,
+        gaps == 1 ? "" : "s", limits.longest_gap, limits.gap_key, seconds(longest_ns),
+        seconds(at_ns - begin_ns), of));
+  const std::int64_t last_ns = stream.back().time_ns;
+  const std::int64_t end_ns = series.state.empty() ? last_ns : series.state.back().time_ns;
+  if (seconds(end_ns - last_ns) > limits.longest_gap)
+    problems.push_back(fmt::format("silent: nothing came after {:.3f} s, for the last {:.3f} s{}",
+                                   seconds(last_ns - begin_ns), seconds(end_ns - last_ns), of));
 }
 
 }  // namespace
@@ -91,7 +97,7 @@ Guest look_at_guest(const std::string& process, const Series& series, const Gues
   for (const auto& [object, stream] : streams) {
     const std::string of = streams.size() > 1 ? fmt::format(", of object {}", object) : "";
     guest.samples += stream.size();
-    tell_gaps(stream, start_ns(series), of, limits, guest.problems);
+    tell_gaps(stream, series, of, limits, guest.problems);
     const double spoke = seconds(stream.back().time_ns - stream.front().time_ns);
     const double rate = spoke > 0.0 ? static_cast<double>(stream.size() - 1) / spoke : kNone;
     if (std::isfinite(rate) && !(guest.rate <= rate)) guest.rate = rate;  // the slowest object's

@@ -91,7 +91,7 @@ def test_a_planner_that_does_it_wrong_is_named(tmp_path):
     assert problems[0] in said
 
 
-def test_the_page_s_client_reads_commands_and_ends(tmp_path):
+def test_the_page_s_client_reads_commands_and_ends_and_a_wrong_clock_is_named(tmp_path):
     c3rt("up", "circle_slow", "--clock", "lockstep", "--domain", DOMAIN, "--out", tmp_path / "out")
     try:
         text = (ROOT / "docs/clients/client.py").read_text()
@@ -105,6 +105,11 @@ def test_the_page_s_client_reads_commands_and_ends(tmp_path):
         assert "circle" in lines[1], lines
         numbers = [int(line.split()[0]) for line in lines[2:]]
         assert numbers == sorted(numbers) and len(set(numbers)) == len(numbers)
+
+        planner = example("--clock", "realtime")
+        words, _ = planner.communicate(timeout=PATIENCE)
+        assert (planner.returncode, words) == (2, 'planner.py: error: the run is in lockstep, this planner in realtime: '
+                                                  'clock="lockstep", --clock lockstep\n')
 
         with Client(DOMAIN) as robot:
             assert set(robot.status()) == {"plant", "impedance", "planner", "vision"}

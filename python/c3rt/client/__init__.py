@@ -12,7 +12,7 @@ docs/clients.md has the topics and the rules of the bus. A Planner and an Estima
 
 from ._bus import Reader
 from ._client import Client, Reply
-from ._errors import NoAnswer, Refused
+from ._errors import NoAnswer, Refused, WrongClock
 from ._process import Effector, Estimate, Estimator, Knot, Object, Planner, Situation
 
 __all__ = [
@@ -28,4 +28,5 @@ __all__ = [
     "Refused",
     "Reply",
     "Situation",
+    "WrongClock",
 ]

@@ -228,6 +228,7 @@ class Writer:
 class _Source(NamedTuple):
     participant: int
     strength: int
+    reliable: bool
 
 
 class Reader(Generic[T]):
@@ -316,6 +317,17 @@ class Reader(Generic[T]):
     def pump(self) -> None:
         self._pump()
 
+    def refused_by_quality(self) -> bool:
+        """A writer of this topic offers less than is requested, as one in realtime does to a reader in lockstep."""
+        if self._reader is None:
+            return False
+        status = self._reader.get_requested_incompatible_qos_status()
+        return status is not None and status.total_count > 0
+
+    def is_of_lockstep(self) -> bool:
+        """One of c3rt's own processes is in lockstep: reliable where one in realtime is not."""
+        return any(source.reliable for source in self._sources.values() if source.strength >= STRENGTH)
+
     def writers(self) -> int:
         """How many writers there are."""
         if self._reader is None:
@@ -374,12 +386,13 @@ class Reader(Generic[T]):
         if handle not in self._sources:
             assert self._reader is not None
             data = self._reader.get_matched_publication_data(handle)
-            strength = 0
+            strength, reliable = 0, False
             if data is not None and data.qos is not None:
                 offered = data.qos[Policy.OwnershipStrength]
                 strength = offered.strength if offered is not None else 0
+                reliable = isinstance(data.qos[Policy.Reliability], Policy.Reliability.Reliable)
             participant = handle if data is None else int(data.participant_instance_handle)
-            self._sources[handle] = _Source(participant, strength)
+            self._sources[handle] = _Source(participant, strength, reliable)
         return self._sources[handle]
 
     def _obeys(self, source: _Source) -> bool:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 import c3rt.v2 as types
 
 from ._bus import PROCESSES, SLICE_S, Bus, Reader, Writer
+from ._errors import WrongClock
 
 Vector = npt.NDArray[np.float64]
 
@@ -112,7 +113,7 @@ class _Process:
     def run(self, domain: int = 0, profile: str = "loopback", clock: str = "realtime", session: int = 0) -> None:
         """Plays the process until Ctrl-C, SIGTERM or a shutdown request, in lockstep until the run is over.
 
-        What the method raises ends it, as failed in service/status. @raises ValueError, TypeError for a wrong argument"""
+        What the method raises ends it, as failed in service/status. @raises ValueError, TypeError for a wrong argument, WrongClock"""
         if clock not in ("realtime", "lockstep"):
             raise ValueError(f"clock: expected realtime or lockstep, got {clock!r}")
         if not (isinstance(self.rate_hz, (int, float)) and 1.0 <= self.rate_hz <= 1000.0):
@@ -166,7 +167,10 @@ class _Process:
         words.add_argument("--seed", type=int, default=1, help=argparse.SUPPRESS)
         words.add_argument("--set", action="append", help=argparse.SUPPRESS)
         given = words.parse_args(arguments)
-        self.run(given.domain, given.profile, given.clock, given.session)
+        try:
+            self.run(given.domain, given.profile, given.clock, given.session)
+        except (WrongClock, ConnectionError) as error:
+            words.exit(2, f"{words.prog}: error: {error}\n")
 
     def say(self, text: str, degraded: bool = False) -> None:
         """A sentence for `c3rt status`."""
@@ -178,7 +182,8 @@ class _Process:
     def _open(self) -> None:
         raise NotImplementedError
 
-    def _step(self, now_ns: int) -> None:
+    def _step(self, now_ns: int) -> bool:
+        """@return whether there was something to do, which counts as a cycle"""
         raise NotImplementedError
 
     def _input(self, topic: str, depth: int = 1) -> Reader[Any]:
@@ -247,6 +252,8 @@ class _Process:
                 seen = now
             if tick_ns != JOINING and now - seen > GONE_S:
                 return None  # the run is over
+            if tick_ns == JOINING and self._inputs[0].refused_by_quality():
+                raise WrongClock(f"the run is in realtime, this {self.name} in lockstep: clock=\"realtime\", --clock realtime")
             if tick_ns == JOINING and now - answered > JOIN_AGAIN_S:
                 done.write(answer, tick_ns)  # the plant may have come after the first one
                 answered = now
@@ -271,8 +278,10 @@ class _Process:
             reader.allowed = promised
 
     def _cycle(self, now_ns: int) -> None:
-        self._step(now_ns)
-        self._counters["cycles"] += 1
+        if not self._bus.lockstep and self._inputs[0].is_of_lockstep():
+            raise WrongClock(f"the run is in lockstep, this {self.name} in realtime: clock=\"lockstep\", --clock lockstep")
+        if self._step(now_ns):
+            self._counters["cycles"] += 1
 
     # ---- status and requests, in a thread of their own
 
@@ -358,12 +367,12 @@ class Planner(_Process):
         self._seen: Dict[int, Any] = {}
         self._hold: Optional[List[float]] = None
 
-    def _step(self, now_ns: int) -> None:
+    def _step(self, now_ns: int) -> bool:
         self._take(now_ns)
         for target in self._targets.take():
             self._take_target(target)
         if self._state_now is None:
-            return
+            return False
         if self._text == "waiting for the robot's state":
             self.say("plans")
         began = time.perf_counter()
@@ -378,12 +387,13 @@ class Planner(_Process):
             planned = self.plan(self._situation(now_ns))
             phase = self.phase
             if planned is None:
-                return
+                return True
             knots = [planned] if isinstance(planned, Knot) else list(planned)
         effective = now_ns + round(self.delay_s * 1e9)
         if not self._bus.lockstep:
             effective = max(effective, time.monotonic_ns())
         self._plans.write(self._sample(knots, phase, effective, time.perf_counter() - began), effective)
+        return True
 
     def _take(self, now_ns: int) -> None:
         for state in self._states.take_effective(now_ns):
@@ -473,16 +483,17 @@ class Estimator(_Process):
             if self._scenes.wait(SLICE_S):
                 self._cycle(time.monotonic_ns())
 
-    def _step(self, now_ns: int) -> None:
-        came = [scene for scene in self._scenes.take_effective(now_ns)]
+    def _step(self, now_ns: int) -> bool:
+        came = self._scenes.take_effective(now_ns)
         if came:
             self._truth = came[-1]
         if not self.of_exposures:
             self._write(now_ns, self.estimate(now_ns * 1e-9, self._truth))
-            return
-        for scene in came:
-            if scene.exposure:
-                self._write(scene.header.time_ns, self.estimate(scene.header.time_ns * 1e-9, scene))
+            return True
+        exposures = [scene for scene in came if scene.exposure]
+        for scene in exposures:
+            self._write(scene.header.time_ns, self.estimate(scene.header.time_ns * 1e-9, scene))
+        return bool(exposures)
 
     def _write(self, exposure_ns: int, estimates: Sequence[Estimate]) -> None:
         if self._text == "waiting for the robot's state":

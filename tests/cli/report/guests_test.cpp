@@ -74,6 +74,19 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "guests: a client that has fallen silent before the end is named, one at the end is not") {
+  Series series = good_plans();
+  StateRow state{};
+  state.time_ns = series.plan.back().time_ns + 150 * kMs;
+  series.state.push_back(state);
+  CHECK(look(series).problems.empty());
+  state.time_ns += 3000 * kMs;
+  series.state.push_back(state);
+  CHECK(look(series).problems ==
+        std::vector<std::string>{"silent: nothing came after 2.998 s, for the last 3.150 s"});
+}
+
+TEST_CASE(
     "guests: what was refused is told with who refused it and why, and silence is a problem") {
   const Guest guest =
       look_at_guest("planner", Series(), kLimits,
