@@ -99,9 +99,6 @@ function(c3rt_join_sources)
   endforeach()
 endfunction()
 
-# an installed program finds the installed libraries, wherever the prefix is
-set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/c3rt")
-
 # c3rt_process(NAME main.cpp [DEPS target...]): the executable c3rt-NAME, installed
 function(c3rt_process name source)
   cmake_parse_arguments(arg "" "" "DEPS" ${ARGN})

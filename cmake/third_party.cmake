@@ -20,6 +20,7 @@ find_path(APRILTAG_INCLUDE_DIRECTORY apriltag/apriltag.h REQUIRED)
 find_library(APRILTAG apriltag REQUIRED)
 find_library(APRILTAG_UTILS apriltag-utils REQUIRED)
 find_package(pinocchio 3.4 REQUIRED)
+find_package(urdfdom REQUIRED)
 find_package(Boost REQUIRED COMPONENTS filesystem)
 find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
 if(BUILD_TESTING)
@@ -41,7 +42,8 @@ c3rt_imported(osmesa LINK OSMesa)
 c3rt_imported(opencv INCLUDE "${OPENCV_INCLUDE_DIRECTORY}" LINK "${OPENCV_IMGPROC}" "${OPENCV_CORE}")
 # its own headers include one another from within its folder
 c3rt_imported(apriltag INCLUDE "${APRILTAG_INCLUDE_DIRECTORY}" "${APRILTAG_INCLUDE_DIRECTORY}/apriltag" LINK "${APRILTAG}" "${APRILTAG_UTILS}")
-c3rt_imported(pinocchio LINK pinocchio::pinocchio)
+c3rt_imported(pinocchio LINK pinocchio::pinocchio_headers)
+c3rt_imported(urdfdom LINK urdfdom::urdfdom_model)
 
 # A general MIQP solver, to compare with and for nothing else: without it those targets are left out.
 # Its own headers need to be told that the standard library has <cstddef>.

@@ -9,7 +9,6 @@
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
-#include <pinocchio/parsers/urdf.hpp>
 #include <urdf_parser/urdf_parser.h>
 
 namespace c3rt::model {
@@ -18,7 +17,69 @@ namespace {
 
 constexpr int kJoints = 7;
 
-pinocchio::Model load(const ArmDescription& description) {
+/// The kinds of joints that an arm may have. Pinocchio's algorithms are compiled for each kind:
+/// its own list has 26 of them, and with its own reader of URDF that list must be taken.
+template <typename Scalar, int Options>
+struct JointsOfArms {
+  using Z = pinocchio::JointModelRevoluteTpl<Scalar, Options, 2>;
+  using Revolute = pinocchio::JointModelRevoluteUnalignedTpl<Scalar, Options>;
+  using Prismatic = pinocchio::JointModelPrismaticUnalignedTpl<Scalar, Options>;
+  using JointModelVariant = boost::variant<Z, Revolute, Prismatic>;
+  using JointDataVariant =
+      boost::variant<pinocchio::JointDataRevoluteTpl<Scalar, Options, 2>,
+                     pinocchio::JointDataRevoluteUnalignedTpl<Scalar, Options>,
+                     pinocchio::JointDataPrismaticUnalignedTpl<Scalar, Options>>;
+};
+using Joints = JointsOfArms<double, 0>;
+using Model = pinocchio::ModelTpl<double, 0, JointsOfArms>;
+using Data = pinocchio::DataTpl<double, 0, JointsOfArms>;
+
+pinocchio::SE3 pose(const urdf::Pose& read) {
+  const auto& [p, q] = read;
+  return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).matrix(), Eigen::Vector3d(p.x, p.y, p.z)};
+}
+
+pinocchio::Inertia inertia(const urdf::Inertial& read) {
+  const pinocchio::SE3 X = pose(read.origin);
+  Eigen::Matrix3d I;
+  I << read.ixx, read.ixy, read.ixz, read.ixy, read.iyy, read.iyz, read.ixz, read.iyz, read.izz;
+  return {read.mass, X.translation(), X.rotation() * I * X.rotation().transpose()};
+}
+
+/// The kind of a joint that moves.
+Model::JointModel kind(const urdf::Joint& joint, const ArmDescription& description) {
+  const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (joint.type == urdf::Joint::PRISMATIC) return Joints::Prismatic(axis.normalized());
+  if (joint.type != urdf::Joint::REVOLUTE) {
+    throw ArmError(description.urdf_path + ": joint " + joint.name + " before " +
+                   description.flange + ": expected one that turns between limits or slides");
+  }
+  if (axis.isApprox(Eigen::Vector3d::UnitZ())) return Joints::Z();
+  return Joints::Revolute(axis.normalized());
+}
+
+/// Puts what `link` carries on the model: a joint where there is one that moves, and a frame with
+/// the link's name. To the last bit as Pinocchio's own reader, for the Panda.
+void add_children(const urdf::Link& link, pinocchio::FrameIndex of_link,
+                  const ArmDescription& description, Model& model) {
+  for (const urdf::LinkSharedPtr& child : link.child_links) {
+    const urdf::Joint& joint = *child->parent_joint;
+    pinocchio::JointIndex carrier = model.frames[of_link].parentJoint;
+    pinocchio::SE3 X_carrier_child =
+        model.frames[of_link].placement * pose(joint.parent_to_joint_origin_transform);
+    if (joint.type != urdf::Joint::FIXED) {
+      carrier = model.addJoint(carrier, kind(joint, description), X_carrier_child, joint.name);
+      X_carrier_child.setIdentity();
+    }
+    if (child->inertial)
+      model.appendBodyToJoint(carrier, inertia(*child->inertial), X_carrier_child);
+    const pinocchio::FrameIndex of_child =
+        model.addBodyFrame(child->name, carrier, X_carrier_child, static_cast<int>(of_link));
+    add_children(*child, of_child, description, model);
+  }
+}
+
+Model load(const ArmDescription& description) {
   const auto& [path, name, tool] = description;
   if (!std::filesystem::is_regular_file(path)) {
     throw ArmError("robot model not found: " + path +
@@ -33,20 +94,22 @@ pinocchio::Model load(const ArmDescription& description) {
   flange->child_links.clear();
   flange->child_joints.clear();
 
-  pinocchio::Model model;
-  pinocchio::urdf::buildModel(tree, model);
-  if (model.nq != kJoints || model.nv != kJoints) {
+  Model model;
+  const urdf::Link& root = *tree->getRoot();
+  add_children(root, model.addBodyFrame(root.name, 0, pinocchio::SE3::Identity(), 0), description,
+               model);
+  if (model.nv != kJoints) {
     throw ArmError(path + ": expected 7 joints before " + name + ", got " +
                    std::to_string(model.nv));
   }
-  const pinocchio::Frame& flange_frame = model.frames[model.getFrameId(name)];
-  const Eigen::Vector3d inertia(tool.inertia_xx, tool.inertia_xx, tool.inertia_zz);
+  const pinocchio::Frame flange_frame = model.frames[model.getFrameId(name)];
+  const Eigen::Vector3d inertia_of_tool(tool.inertia_xx, tool.inertia_xx, tool.inertia_zz);
   const pinocchio::Inertia end_effector(tool.mass, Eigen::Vector3d(0, 0, tool.center_of_mass_z),
-                                        inertia.asDiagonal().toDenseMatrix());
+                                        inertia_of_tool.asDiagonal().toDenseMatrix());
   model.appendBodyToJoint(flange_frame.parentJoint, end_effector, flange_frame.placement);
   const pinocchio::SE3 X_flange_E(Eigen::Matrix3d::Identity(),
                                   Eigen::Vector3d(0, 0, tool.sphere_center_z));
-  model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint,
+  model.addFrame(pinocchio::Frame("E", flange_frame.parentJoint, 0,
                                   flange_frame.placement * X_flange_E, pinocchio::OP_FRAME));
   return model;
 }
@@ -54,7 +117,7 @@ pinocchio::Model load(const ArmDescription& description) {
 }  // namespace
 
 struct Arm::Workspace {
-  explicit Workspace(pinocchio::Model loaded)
+  explicit Workspace(Model loaded)
       : model(std::move(loaded)),
         data(model),
         E(model.getFrameId("E")),
@@ -63,11 +126,11 @@ struct Arm::Workspace {
         J(6, kJoints) {
     J.setZero();
   }
-  pinocchio::Model model;
-  pinocchio::Data data;
+  Model model;
+  Data data;
   pinocchio::FrameIndex E;
   Eigen::VectorXd q, dq;
-  pinocchio::Data::Matrix6x J;
+  Data::Matrix6x J;
 };
 
 Arm::Arm(const ArmDescription& description)

@@ -2,7 +2,10 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
@@ -214,6 +217,63 @@ TEST_CASE("arm: a missing or unusable model is refused by its path, with what to
                                                                Catch::Contains("C3RT_PANDA_URDF"));
   const std::string not_a_urdf = std::string(C3RT_SOURCE_DIRECTORY) + "/CMakeLists.txt";
   CHECK_THROWS_WITH(Arm(with_urdf(not_a_urdf)), Catch::Contains("CMakeLists.txt: not a URDF"));
+}
+
+struct Joint {
+  const char* type;
+  Vector3d axis;
+};
+
+/// Seven joints along x, 0.1 m apart, in a file.
+ArmDescription in_a_row(const std::vector<Joint>& joints) {
+  ArmDescription arm = with_urdf(std::string(C3RT_BINARY_DIRECTORY) + "/in_a_row.urdf");
+  arm.flange = "link7";
+  std::ofstream file(arm.urdf_path);
+  file << "<robot name=\"row\"><link name=\"link0\"/>";
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Vector3d& axis = joints[i].axis;
+    file << "<link name=\"link" << i + 1 << "\"/><joint name=\"joint" << i + 1 << "\" type=\""
+         << joints[i].type << "\"><origin xyz=\"0.1 0 0\"/><parent link=\"link" << i
+         << "\"/><child link=\"link" << i + 1 << "\"/><axis xyz=\"" << axis.x() << ' ' << axis.y()
+         << ' ' << axis.z() << "\"/>"
+         << "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
+  }
+  file << "</robot>";
+  return arm;
+}
+
+TEST_CASE("arm: joints turn about any axis or slide along it") {
+  const std::vector<Joint> joints{{"revolute", {1, 0, 0}},  {"revolute", {0, 1, 0}},
+                                  {"revolute", {0, 0, 1}},  {"revolute", {0, 0, -1}},
+                                  {"revolute", {2, -1, 2}}, {"prismatic", {0, 1, 0}},
+                                  {"prismatic", {0, 3, 4}}};
+  const ArmDescription description = in_a_row(joints);
+  Arm arm(description);
+  ArmState state;
+  arm.update(Vector7d::Zero(), Vector7d::Zero(), state);
+  const Vector3d p_WE(0.7, 0, description.end_effector.sphere_center_z);
+  CHECK((state.X_WE.translation() - p_WE).norm() < 1e-12);
+  for (int i = 0; i < 7; ++i) {
+    CAPTURE(i);
+    const Vector3d axis = joints[i].axis.normalized();
+    Vector6d column = Vector6d::Zero();
+    if (joints[i].type == std::string("prismatic")) {
+      column.head<3>() = axis;
+    } else {
+      column << axis.cross(p_WE - Vector3d(0.1 * (i + 1), 0, 0)), axis;
+    }
+    CHECK((state.J_WE.col(i) - column).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("arm: a joint of another kind is refused by its name, as is another number of joints") {
+  std::vector<Joint> joints(7, Joint{"revolute", {0, 0, 1}});
+  joints[3].type = "continuous";
+  CHECK_THROWS_WITH(Arm(in_a_row(joints)),
+                    Catch::Contains("in_a_row.urdf: joint joint4 before link7: expected one"));
+  joints[3].type = "fixed";
+  CHECK_THROWS_WITH(Arm(in_a_row(joints)),
+                    Catch::Contains("expected 7 joints before link7, got 6"));
 }
 
 TEST_CASE("arm: a flange that the model does not have is refused by its name") {
