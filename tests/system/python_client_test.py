@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import textwrap
 import threading
 
 import pytest
@@ -67,23 +68,36 @@ class FromTruth(Estimator):
         return [Estimate(i, body.p_WB_m, body.q_WB, body.v_WB_m_per_s) for i, body in enumerate(truth.objects[: truth.object_count])]
 
 
-def test_an_estimator_of_one_s_own_takes_vision_s_place(tmp_path):
-    vision = threading.Thread(target=FromTruth().run, kwargs={"domain": DOMAIN, "clock": "lockstep"})
+class OwnImages(FromTruth):
+    """The same without the plant's exposures, as a camera of one's own."""
+
+    of_exposures = False
+
+    def estimate(self, time_s, truth):
+        return [] if truth is None else super().estimate(time_s, truth)
+
+
+@pytest.mark.parametrize("kind", [FromTruth, OwnImages])
+def test_an_estimator_or_a_camera_of_one_s_own_takes_vision_s_place(tmp_path, kind):
+    vision = threading.Thread(target=kind().run, kwargs={"domain": DOMAIN, "clock": "lockstep"})
     vision.start()
-    report, _ = run("circle_slow", "vision", tmp_path / "out", "--duration", "3", status=1)
+    report, _ = run("circle_slow", "vision", tmp_path / "out", "--duration", "2", status=1)
     vision.join(PATIENCE)
     assert not vision.is_alive()
     client = report["clients"][0]
     assert (client["process"], client["topic"], client["problems"]) == ("vision", "object/estimate", [])
     assert client["rate_hz"] == pytest.approx(80.0, rel=0.01)
-    assert report["vision"]["dropped_frames"] <= 1 and report["vision"]["error_m"]["max"] < 1e-9
+    if kind is FromTruth:
+        assert report["vision"]["dropped_frames"] <= 1 and report["vision"]["error_m"]["max"] < 1e-9
 
 
-def test_a_planner_that_does_it_wrong_is_named(tmp_path):
-    words = ("import sys\nfrom c3rt.client import Knot, Planner\n"
-             "class Lazy(Planner):\n    rate_hz = 2.0\n    def plan(self, now): return Knot(now.effector.p)\n"
-             f"Lazy().run({DOMAIN}, clock='lockstep')")
-    planner = subprocess.Popen([sys.executable, "-c", words])
+def test_the_page_s_planner_is_one_and_what_it_does_wrong_is_named(tmp_path):
+    page = (ROOT / "docs/clients.md").read_text()
+    mine = textwrap.dedent(re.search(r"^    from c3rt.client import Knot, Planner\n(?:    .*\n|\n)*", page, re.MULTILINE).group())
+    for said, instead in [("50.0,", "2.0,"), ("domain=0", f"domain={DOMAIN}"), ('clock="realtime"', 'clock="lockstep"')]:
+        assert mine.count(said) == 1
+        mine = mine.replace(said, instead)
+    planner = subprocess.Popen([sys.executable, "-c", mine])
     report, said = run("circle_slow", "planner", tmp_path / "out", "--duration", "2", status=1)
     assert planner.wait(PATIENCE) == 0
     problems = report["clients"][0]["problems"]
