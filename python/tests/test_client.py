@@ -53,6 +53,10 @@ def test_writers_offer_and_readers_request_what_the_page_says(name, kind, offere
     assert (strong is not None) == ("strength 100" in offered)
 
 
+def test_a_topic_is_found_by_its_type_as_well():
+    assert _bus.topic_of(types.Plan) is _bus.topic_of("plan")
+
+
 def test_every_type_is_there_and_empty_unless_it_is_told():
     for topic in _bus.TOPICS.values():
         kind = getattr(types, topic.type)
@@ -79,6 +83,7 @@ def test_a_target_has_its_parameters_as_the_page_says():
     (lambda: Client(profile=3), TypeError, "^profile: expected a name or a path, got 3"),
     (lambda: Client(profile=str(ROOT / "config/dds/secure.xml")), ValueError, "^profile: .*secure.xml wants keys"),
     (lambda: _bus.topic_of("robot/stat"), ValueError, "^topic: expected one of sim/scene, .*, got 'robot/stat'"),
+    (lambda: _bus.topic_of(types.Header), ValueError, "^topic: expected a type of c3rt.v2 that a topic has, got Header"),
     (lambda: _client.target_sample("", {}), ValueError, "^kind: expected a text of 1 to 31 bytes, got ''"),
     (lambda: _client.target_sample("pose", {"goals_m": [1, None]}), TypeError, "^goals_m: expected numbers .* got None"),
     (lambda: _client.target_sample("pose", {"goals_m": [0] * 65}), ValueError, "^goals_m: expected at most 64 numbers, got 65"),

@@ -17,6 +17,7 @@ import pytest
 pytest.importorskip("cyclonedds", reason="the package cyclonedds could not be had")
 
 from c3rt.client import Client, Estimate, Estimator, Refused  # noqa: E402
+from c3rt.v2 import RobotState  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["C3RT_PROGRAM"]
@@ -128,13 +129,13 @@ def test_the_page_s_client_reads_commands_and_ends_and_a_wrong_clock_is_named(tm
         with Client(DOMAIN) as robot:
             assert set(robot.status()) == {"plant", "impedance", "planner", "vision"}
             with pytest.raises(Refused, match="^planner: refused: circle: radius_m: expected a number"):
-                robot.target("circle", center_m=[0.55, 0.0], lead_rad=0.3)
-            assert [reply.process for reply in robot.stop()] == ["plant", "impedance", "planner"]
-            assert robot.newest("robot/state").mode.name in ("ROBOT_USER_STOPPED", "ROBOT_REFLEX")
-            assert len(robot.recover()) == 3
-            assert robot.fault("plant", "push-object", value=(0.001, 0, 0)).process == "plant"
+                robot.target("circle", center_m=[0.55, 0.0], lead_rad=0.3, timeout=PATIENCE)
+            assert [reply.process for reply in robot.stop(timeout=PATIENCE)] == ["plant", "impedance", "planner"]
+            assert robot.newest(RobotState).mode.name in ("ROBOT_USER_STOPPED", "ROBOT_REFLEX")
+            assert len(robot.recover(timeout=PATIENCE)) == 3
+            assert robot.fault("plant", "push-object", value=(0.001, 0, 0), timeout=PATIENCE).process == "plant"
             with pytest.raises(Refused, match="^vision: "):
-                robot.fault("vision", "push-object", value=(0.001, 0, 0))
+                robot.fault("vision", "push-object", value=(0.001, 0, 0), timeout=PATIENCE)
     finally:
         c3rt("down", "--domain", DOMAIN)
 

@@ -8,7 +8,7 @@ import threading
 import time
 from collections import deque
 from importlib import resources
-from typing import Any, Deque, Dict, Generic, Iterator, List, NamedTuple, Optional, Tuple, TypeVar
+from typing import Any, Deque, Dict, Generic, Iterator, List, NamedTuple, Optional, Tuple, TypeVar, Union
 
 try:
     from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
@@ -52,10 +52,14 @@ class Topic(NamedTuple):
 TOPICS: Dict[str, Topic] = {row[0]: Topic(*row) for row in ROWS}
 
 
-def topic_of(name: str) -> Topic:
-    if name not in TOPICS:
-        raise ValueError(f"topic: expected one of {', '.join(TOPICS)}, got {name!r}")
-    return TOPICS[name]
+def topic_of(topic: Union[str, type]) -> Topic:
+    """By its name or by its type, of which each topic has one of its own."""
+    for row in TOPICS.values():
+        if topic == row.name or topic is getattr(types, row.type):
+            return row
+    if isinstance(topic, type):
+        raise ValueError(f"topic: expected a type of c3rt.v2 that a topic has, got {topic.__name__}")
+    raise ValueError(f"topic: expected one of {', '.join(TOPICS)}, got {topic!r}")
 
 
 def writer_qos(topic: Topic, lockstep: bool = False, process: str = "") -> Qos:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import random
 import time
 from types import TracebackType
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Type, Union
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Type, TypeVar, Union, overload
 
 import c3rt.v2 as types
 
 from ._bus import PROCESSES, SLICE_S, TOPICS, Bus, Reader, Writer, topic_of
 from ._errors import NoAnswer, Refused
 
+T = TypeVar("T")
 Value = Union[bool, float, str, Sequence[Any]]
 
 FAULTS = {"none": types.FaultKind.FAULT_NONE, "push-object": types.FaultKind.FAULT_PUSH_OBJECT,
@@ -93,16 +94,26 @@ class Client:
 
     # ---- reading
 
-    def reader(self, topic: str, depth: int = 1) -> Reader[Any]:
-        """A reader of its own: keeps the newest `depth` samples until they are taken. depth=1: the latest value; more: a queue."""
+    @overload
+    def reader(self, topic: Type[T], depth: int = 1) -> Reader[T]: ...
+    @overload
+    def reader(self, topic: str, depth: int = 1) -> Reader[Any]: ...
+    def reader(self, topic: Union[str, type], depth: int = 1) -> Reader[Any]:
+        """A reader of its own, of a topic by its name or its type (c3rt.v2.Plan): keeps the newest `depth` samples until they
+        are taken. depth=1: the latest value; more: a queue."""
         self._bus.require_open()
-        return Reader(self._bus, topic, depth)
+        return Reader(self._bus, topic_of(topic).name, depth)
 
-    def newest(self, topic: str, timeout: float = 5.0) -> Any:
+    @overload
+    def newest(self, topic: Type[T], timeout: float = 5.0) -> T: ...
+    @overload
+    def newest(self, topic: str, timeout: float = 5.0) -> Any: ...
+    def newest(self, topic: Union[str, type], timeout: float = 5.0) -> Any:
         """The newest sample of a topic, waited for where none has come. @raises NoAnswer after timeout seconds"""
-        if topic not in self._readers:
-            self._readers[topic_of(topic).name] = self.reader(topic)
-        return self._readers[topic].newest(timeout)
+        name = topic_of(topic).name
+        if name not in self._readers:
+            self._readers[name] = self.reader(name)
+        return self._readers[name].newest(timeout)
 
     def status(self, timeout: float = 2.0) -> Dict[str, types.ServiceStatus]:
         """What each process says of itself, by its name. Waits until all four have been heard, or for timeout seconds."""
