@@ -13,6 +13,8 @@
 #include "cli/keys/keystore.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
+#include "config/extends.hpp"
+#include "config/show.hpp"
 #include "idl/process.hpp"
 #include "idl/security.hpp"
 
@@ -44,6 +46,7 @@ Instance instance(const LaunchSettings& settings, const std::string& scenario, c
   self.overrides = settings.overrides;
   self.clock = settings.clock_name();
   self.session = bus.session_id;
+  self.seed = settings.seed;
   self.profile = bus.profile_uri;
   self.out = out.string();
   self.started = fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
@@ -66,6 +69,11 @@ Launch::Launch(const LaunchSettings& settings)
   }
   make_folder(out_ / "logs");
   require_room(out_ / "logs");
+}
+
+std::string Launch::scenario_text() const {
+  return config::show(config::load_composed(file_.string(), settings_.overrides),
+                      config::Comments::kNone);
 }
 
 void Launch::lock_domain() {

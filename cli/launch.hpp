@@ -61,6 +61,8 @@ class Launch {
   int process_count() const;  // that are ours
   const std::string& profile() const { return settings_.dds_profile; }
   const config::Scenario& scenario() const { return scenario_; }
+  /// The same with its overrides as YAML that extends nothing.
+  std::string scenario_text() const;
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
   DomainLock& lock() { return *lock_; }  // none where the nodes are in this process

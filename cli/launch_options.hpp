@@ -92,8 +92,7 @@ struct LaunchOptions {
   /// Of c3rt run alone.
   void add_results_to(CLI::App& command) {
     add_in_process_to(command);
-    command.add_flag("!--no-logs", settings.logs,
-                     "Keeps no samples (log/TOPIC.csv): the report alone");
+    command.add_flag("!--no-logs", settings.logs, "Keeps no samples (run.mcap): the report alone");
   }
 
   /// The same for a numerical example, if the scenario is one.

@@ -35,6 +35,7 @@ std::optional<Instance> read(const std::filesystem::path& file) {
   instance.overrides = note.value("overrides", std::vector<std::string>{});
   instance.clock = note.value("clock", "");
   instance.session = note.value("session", std::uint64_t{0});
+  instance.seed = note.value("seed", std::uint64_t{0});
   instance.profile = note.value("profile", "");
   instance.out = note.value("out", "");
   instance.started = note.value("started", "");
@@ -98,8 +99,9 @@ void DomainLock::write() const {
   const json note{
       {"pid", self_.pid},         {"verb", self_.verb},           {"scenario", self_.scenario},
       {"file", self_.file},       {"overrides", self_.overrides}, {"clock", self_.clock},
-      {"session", self_.session}, {"profile", self_.profile},     {"out", self_.out},
-      {"started", self_.started}, {"ended", self_.ended},         {"notes", self_.notes}};
+      {"session", self_.session}, {"seed", self_.seed},           {"profile", self_.profile},
+      {"out", self_.out},         {"started", self_.started},     {"ended", self_.ended},
+      {"notes", self_.notes}};
   const std::string text = note.dump() + "\n";
   const bool written = ftruncate(file_, 0) == 0 && pwrite(file_, text.data(), text.size(), 0) ==
                                                        static_cast<ssize_t>(text.size());

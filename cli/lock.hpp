@@ -23,6 +23,7 @@ struct Instance {
   std::vector<std::string> overrides;
   std::string clock;  // "realtime", "lockstep"
   std::uint64_t session = 0;
+  std::uint64_t seed = 0;
   std::string profile;             // of DDS: a file
   std::string out;                 // its folder
   std::string started;             // local time

@@ -31,6 +31,7 @@
 #include "cli/object_add.hpp"
 #include "cli/paths.hpp"
 #include "cli/plan.hpp"
+#include "cli/record.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/run.hpp"
 #include "cli/scenario.hpp"
@@ -99,6 +100,7 @@ class CommandLine {
     add_faults();
     add_targets();
     add_tools();
+    add_recordings();
     add_library();
     add_campaign();
     add_reproduce();
@@ -442,6 +444,46 @@ class CommandLine {
     }
   }
 
+  void add_recordings() {
+    CLI::App* record = command(app_, "record", "Every sample of a running instance into one file",
+                               [this] { return cli::record(seat_, record_); });
+    record->add_option("file", record_.file, "A new file, by custom FILE.mcap")->required();
+    record
+        ->add_option("--duration", record_.duration_s,
+                     "Ends after this long [s]; 0: when interrupted")
+        ->check(cli::number(0.0, kLongest))
+        ->capture_default_str();
+    record
+        ->add_option("--timeout", record_.timeout_s,
+                     "Ends after so long without a sample [s]; 0: waits on")
+        ->check(cli::number(0.0, kLongest))
+        ->capture_default_str();
+    add_seat(*record, seat_);
+
+    CLI::App* report = command(app_, "report", "The report of a recording, as its run gave it",
+                               [this] { return cli::report_recording(report_); });
+    report->add_option("file", report_.file, "run.mcap of a run, or what c3rt record wrote")
+        ->required();
+    report->add_option("--scenario", report_.scenario,
+                       "By which it is judged; default: that which the recording tells");
+    report->add_option("--set", report_.overrides, "Overrides one key of it: section.key=value")
+        ->expected(1)
+        ->take_all();
+    report
+        ->add_option("--seed", report_.seed, "Of the run; default: that which the recording tells")
+        ->check(cli::whole(0, std::numeric_limits<long long>::max()));
+    report->add_option("--out", report_.out,
+                       "Folder for report.json and the pictures; default: none");
+
+    CLI::App* tables =
+        command(app_, "export", "The samples of a recording as one CSV file a topic",
+                [this] { return cli::export_recording(recording_, topics_, export_to_); });
+    tables->add_option("file", recording_, "run.mcap of a run, or what c3rt record wrote")
+        ->required();
+    tables->add_option("--topics", topics_, "Of these alone: robot/state,plan")->delimiter(',');
+    tables->add_option("--out", export_to_, "Folder; default: FILE_csv beside the file");
+  }
+
   void add_campaign() {
     cli::campaign::add_options(
         *command(app_, "campaign", "Many seeds of one scenario in lockstep, one table",
@@ -608,6 +650,10 @@ class CommandLine {
   cli::latency::Settings latency_;
   cli::keys::Settings keys_;
   cli::LookSettings look_;
+  cli::RecordSettings record_;
+  cli::ReportSettings report_;
+  std::string recording_, export_to_;  // of export
+  std::vector<std::string> topics_;
   bool peers_ = false;
   std::string process_;
   std::string kind_;

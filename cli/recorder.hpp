@@ -1,6 +1,6 @@
 #pragma once
-// Takes everything off the bus: time series for the report, log files and their hash, the newest
-// words of each process.
+// Takes everything off the bus: time series for the report, the hash, a recording, the newest words
+// of each process.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -13,6 +13,9 @@
 #include <thread>
 #include <vector>
 
+#include "cli/recording/recording.hpp"
+#include "cli/recording/samples.hpp"
+#include "cli/recording/taken_topics.hpp"
 #include "cli/report/metrics.hpp"
 #include "idl/dds.hpp"
 
@@ -29,19 +32,6 @@ struct Goal {
   double reflex_patience = kReflexPatience;  // [s]
 };
 
-/// Hears every sample that a recorder takes, in the thread that takes them: topic by topic, each in
-/// order, a plan before the commands that follow it.
-class Listener {
- public:
-  virtual ~Listener() = default;
-  virtual void hear(const wire::Plan&) {}
-  virtual void hear(const wire::Scene&) {}
-  virtual void hear(const wire::ObjectEstimate&) {}
-  virtual void hear(const wire::RobotState&) {}
-  virtual void hear(const wire::RobotCommand&) {}
-  virtual void hear(const wire::ServiceStatus&) {}
-};
-
 /// What a person wants to see while it runs.
 struct Live {
   bool any = false;      // a scene has been seen
@@ -51,7 +41,7 @@ struct Live {
   int loops = 0;
   double object_error = kNone;  // newest distance to the path, of the worst object [m]
   std::optional<wire::Plan> plan;
-  std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> services;
+  Words services;
   std::uint64_t steps = 0;                  // 1 kHz cycles of the plant so far
   std::vector<wire::RefusedCount> refused;  // by the recorder itself
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended
@@ -66,11 +56,12 @@ class Recorder {
   /// In lockstep the recorder is a process of its own in the plant's time and misses nothing; in
   /// realtime it reads along. Starts a thread, but not on a bus within this process: there whoever
   /// advances time calls take().
-  /// @param directory of the log files, made here; empty: none
+  /// @param recording of what is taken until the goal is reached, and of the last words; outlives
+  /// the recorder
   /// @param scratch folder that takes what of the series is too long for the memory; empty: none
   /// @param listener outlives the recorder. In realtime it goes on hearing when the goal is
   /// reached.
-  Recorder(const wire::BusSettings& bus, const std::filesystem::path& directory, const Goal& goal,
+  Recorder(const wire::BusSettings& bus, const Goal& goal, Recording* recording = nullptr,
            const std::filesystem::path& scratch = {}, Listener* listener = nullptr);
   ~Recorder();  // stop()
   Recorder(const Recorder&) = delete;
@@ -91,8 +82,8 @@ class Recorder {
 
   void stop();
   // after stop(), or once done():
-  const Series& series() const { return series_; }
-  std::string log_hash() const { return log_hash_; }
+  const Samples& samples() const { return samples_; }
+  const Series& series() const { return samples_.series(); }
   double real_time_factor() const { return real_time_factor_; }
 
  private:
@@ -107,11 +98,10 @@ class Recorder {
   bool take_all(Topics& topics, const wire::Bus& bus);  // true when the goal is reached
 
   const wire::BusSettings settings_;
-  const std::filesystem::path directory_;
   Goal goal_;
+  Recording* const recording_;
   Listener* const listener_;
-  Series series_;
-  std::string log_hash_;
+  Samples samples_;
   double real_time_factor_ = kNone;
 
   mutable std::mutex mutex_;  // of what follows

@@ -18,7 +18,6 @@
 #include "cli/table.hpp"
 #include "cli/watch.hpp"
 #include "idl/process.hpp"
-#include "plant_emulator/errors.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -38,28 +37,24 @@ Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, Li
                           [&table](const Live& live) { table.update(live); });
 }
 
-Spread spread_of(const wire::Quantiles& quantiles) {
-  if (quantiles.count == 0) return {};
-  return {quantiles.p50_s, quantiles.p95_s, quantiles.p99_s, quantiles.max_s};
+/// What a run is of, so that its recording says it even if the run does not end.
+std::unique_ptr<Recording> begin_recording(const Launch& launch, const LaunchSettings& settings) {
+  const std::filesystem::path file = launch.out() / kRecordingName;
+  std::filesystem::remove(file);  // of an earlier run in this folder
+  auto recording = std::make_unique<Recording>(file);
+  recording->attach(kScenarioAttachment, "application/yaml", launch.scenario_text());
+  recording->add_metadata(kRunMetadata, {{"scenario", launch.scenario().name},
+                                         {"seed", std::to_string(settings.seed)},
+                                         {"clock", settings.clock_name()}});
+  return recording;
 }
 
-ServiceFigures service_figures(const Live& live) {
-  ServiceFigures figures;
-  if (const auto& impedance = live.services[c3rt_v2_PROCESS_IMPEDANCE]) {
-    figures.impedance_wakeup = spread_of(impedance->wakeup_latency);
-    figures.impedance_compute = spread_of(impedance->compute);
-    figures.impedance_missed_cycles = counter(*impedance, "missed_cycles");
-    figures.stale_plan_events = counter(*impedance, "stale_plan_events");
-  }
-  return figures;
-}
-
-std::vector<std::string> reflex_names(std::uint64_t bits) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < plant::kErrorNames.size(); ++i) {
-    if ((bits >> i & 1U) != 0) names.emplace_back(plant::kErrorNames[i]);
-  }
-  return names;
+void end_recording(Recording& recording, const Report& report, const std::string& text) {
+  recording.attach(kReportAttachment, "application/json", text);
+  recording.add_metadata(kResultMetadata,
+                         {{"result", report.result},
+                          {"real_time_factor", fmt::format("{}", report.real_time_factor)}});
+  recording.finish();
 }
 
 }  // namespace
@@ -92,8 +87,10 @@ int run(const LaunchSettings& settings) {
   // before a client has come
   const bool starts_first = !settings.without.empty() && !settings.lockstep;
   if (starts_first && !start()) return kCriterionFailed;
-  Recorder recorder(launch.bus(), settings.logs ? launch.out() / "log" : std::filesystem::path(),
-                    {task, scenario.task.loops, scenario.task.duration_s}, launch.out());
+  const std::unique_ptr<Recording> recording =
+      settings.logs ? begin_recording(launch, settings) : nullptr;
+  Recorder recorder(launch.bus(), {task, scenario.task.loops, scenario.task.duration_s},
+                    recording.get(), launch.out());
   LiveTable table(
       fmt::format("c3rt run {}  {}  seed {}", scenario.name, settings.clock_name(), settings.seed),
       task.unit(), course_goal, scenario.task.duration_s);
@@ -112,30 +109,23 @@ int run(const LaunchSettings& settings) {
   const Live live = recorder.live();
   stop(supervisor);
 
-  Report report;
-  report.scenario = scenario.name;
-  report.seed = settings.seed;
+  Report report = judge(recorder.samples(), scenario, settings.seed);
   report.clock = settings.clock_name();
-  report.figures = judge(recorder.series(), scenario, task, settings.seed);
-  report.services = service_figures(live);
   report.real_time_factor = recorder.real_time_factor();
-  report.reflexes = reflex_names(report.figures.error_bits);
-  report.log_hash = recorder.log_hash();
   report.guests = look_at_guests(launch, recorder.series(), live);
   const bool met = all_met(report.figures.criteria);
   if (!ending.failed.empty()) {
     report.result = ending.failed;
   } else if (ending.interrupted) {
     report.result = "interrupted";
-  } else if (live.robot_stopped) {
-    report.result = "the robot stopped";
-    for (const std::string& reflex : report.reflexes) report.result += ": " + reflex;
   } else {
-    report.result = met ? "passed" : "criteria not met";
+    report.result = result_of(report, live.robot_stopped);
   }
   if (!settings.in_process) launch.lock().set_ended(report.result);
   try {
-    write_text(launch.out() / "report.json", to_json(report).dump(2) + "\n");
+    const std::string text = to_json(report).dump(2) + "\n";
+    write_text(launch.out() / "report.json", text);
+    if (recording != nullptr) end_recording(*recording, report, text);
   } catch (const std::exception& error) {
     // what ended the run comes first
     throw ProcessFailure(ending.details.empty() ? error.what()

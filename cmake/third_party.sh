@@ -87,8 +87,8 @@ if [[ ! -f $pinocchio_stamp ]]; then
   cp -r "$directory/pinocchio/models/example-robot-data/robots/panda_description/." "$prefix/share/panda_description/"
   touch "$pinocchio_stamp"
 fi
-# Packages of Python, of which each version is one file: cyclonedds for the test of a client in Python, the others to build and
-# test python/. Nothing else here needs them; without them those tests are skipped and the extension is left out.
+# Packages of Python, of which each version is one file: cyclonedds for the test of a client in Python, mcap and what it needs
+# for the test of recordings, the others to build and test python/. Nothing else here needs them; without them those tests are skipped and the extension is left out.
 python_packages="
 cyclonedds==11.0.1 --hash=sha256:dce635041d42e954a5fec187dabf99d4b36c9daa54cc97d6d2238985e3ef6101
 nanobind==3.1.0 --hash=sha256:96984dbe8154ffb86e653b1b60aaeed6985c710c5e75ad0279eb87943c66292d
@@ -100,6 +100,9 @@ pytest==9.2.0 --hash=sha256:07acdcf88ec174f907dc01af70bf52d49b014bbab03faeeade31
 iniconfig==2.3.1 --hash=sha256:9121e2c1fdb355232495be3194c8dfe87ccc2d5dee45947b78e68f499790d7a7
 pluggy==1.7.0 --hash=sha256:7dd7b0d8832ba3cb632c306926ded123429211b83641b35dc5c41ad2d34f9bec
 pygments==2.21.0 --hash=sha256:2363c69b61c4a97c838da3b130dcd6468f4848992b21a82f2a63ec34377137d9
+mcap==1.6.0 --hash=sha256:7cd37fba2cf51d033f2139ca837d2ed3024dcec3cd9f8ecdf3d4d15930df6e17
+zstandard==0.25.0 --hash=sha256:9300d02ea7c6506f00e627e287e0492a5eb0371ec1670ae852fefffa6164b072
+lz4==4.4.5 --hash=sha256:75419bb1a559af00250b8f1360d508444e80ed4b26d9d40ec5b09fe7875cb989
 "
 # another list is another stamp; what is there already stays
 python_stamp=$directory/python/.packages-$(sha256sum <<<"$python_packages" | cut -c1-16)

@@ -249,7 +249,8 @@ def c_name(full):
 def fields(document):
     """A struct's fields in order, the header first. `visit` is called with a name and a value; for an array of structs
     whose name is the plural of a count before it (knot_count, knots) `visit.list` with the count; for times that the
-    machine measured (MachineSeconds) `visit.machine_time`. visit_key is given the fields of the key alone."""
+    machine measured (MachineSeconds) `visit.machine_time`. visit_key is given the fields of the key alone, visit_in_order
+    every field's value in the order of the IDL, as it crosses the network."""
     out = ["#pragma once", "// Generated from c3rt.idl by generate.py.", "#include <cstdint>", "#include \"c3rt.h\"", "",
            "namespace c3rt::wire {", ""]
     for full in document.order:
@@ -283,6 +284,10 @@ def fields(document):
             out.append("template <typename Visitor>")
             out.append(f"void visit_fields({qualifier}{c_name(full)}& s, Visitor& visit) {{")
             out += lines
+            out += ["}", ""]
+            out.append("template <typename Visitor>")
+            out.append(f"void visit_in_order({qualifier}{c_name(full)}& s, Visitor& visit) {{")
+            out += [f"  visit(s.{f.name});" for f in struct.fields]
             out += ["}", ""]
         out.append("template <typename Visitor>")
         out.append(f"void visit_key(const {c_name(full)}& s, Visitor& visit) {{")

@@ -47,16 +47,17 @@ may(idl controller/base controller/rt controller/scene controller/task config)
 may(cli/report cli controller/base controller/task plant_emulator)
 may(cli/example cli cli/report controller/example controller/model plant_emulator)
 may(cli/campaign cli cli/report cli/example config controller/base)
-may(cli/reproduce cli cli/report cli/example cli/campaign config idl controller/base controller/scene controller/lcs
+may(cli/reproduce cli cli/report cli/recording cli/example cli/campaign config idl controller/base controller/scene controller/lcs
     controller/c3 controller/horizon controller/example controller/model controller/planner)
+may(cli/recording cli cli/report controller/base idl)
 may(cli/mesh controller/scene)
 may(cli/invariants cli/report controller/base controller/task idl plant_emulator)
-may(cli/soak cli cli/report cli/invariants config idl controller/base controller/rt controller/task plant_emulator)
-may(cli/chaos cli cli/report cli/invariants cli/soak config idl controller/base controller/rt controller/task)
+may(cli/soak cli cli/report cli/recording cli/invariants config idl controller/base controller/rt controller/task plant_emulator)
+may(cli/chaos cli cli/report cli/recording cli/invariants cli/soak config idl controller/base controller/rt controller/task)
 may(cli/keys cli idl)
 may(cli/doctor cli cli/keys config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
+may(cli cli/report cli/recording cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 may(python cli config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
 

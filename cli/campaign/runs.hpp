@@ -23,7 +23,7 @@ struct RunSpec {
   std::uint64_t seed = 1;
   std::vector<std::string> overrides = {};  // "planner.rate_hz=75"
   std::optional<double> duration = {};      // [s]; nothing: the scenario's
-  bool logs = false;                        // log/TOPIC.csv, too
+  bool logs = false;                        // run.mcap, too
   bool pictures = false;
   bool in_process = false;  // in one process, without DDS; else with four processes
   bool example = false;     // a numerical example; run_all fills it in
@@ -60,7 +60,7 @@ std::vector<RunResult> run_all(const std::vector<RunSpec>& specs, const RunSetti
 /// with logs and pictures.
 std::string replay_command(const RunSpec& spec);
 
-/// Columns of a log file (log/sim_scene.csv), one row per sample.
+/// Columns of a table (sim_scene.csv), one row per sample.
 /// @throws std::runtime_error naming the file and the column that is not there
 std::vector<std::vector<double>> read_columns(const std::filesystem::path& file,
                                               const std::vector<std::string>& names);

@@ -185,7 +185,8 @@ class Chaos {
     const task::Task task = scenario.task.motion.seeded(seed);
     const double length = std::min(kPass, settings_.duration - summary_.lasted);
     begin_pass(launch, task, seed, length);
-    Recorder recorder(launch.bus(), {}, {task, kLoops, length, kForever}, launch.out(), &ears_);
+    Recorder recorder(launch.bus(), {task, kLoops, length, kForever}, nullptr, launch.out(),
+                      &ears_);
     try {
       InProcess nodes(scenario, seed, launch.bus());
       SimulatedWorld world(scenario, launch.bus(), nodes);
@@ -202,7 +203,7 @@ class Chaos {
       failed_ = error.what();
     }
     recorder.stop();
-    summary_.log_hashes.push_back(recorder.log_hash());
+    summary_.log_hashes.push_back(recorder.samples().log_hash());
     end_pass();
     look_at_self(summary_.lasted);
   }
@@ -215,7 +216,7 @@ class Chaos {
     begin_pass(launch, task, settings_.launch.seed, settings_.duration);
     Supervisor supervisor;
     // a short recording: after it the listener goes on
-    Recorder recorder(launch.bus(), {}, {task, kLoops, 0.1, kForever}, launch.out(), &ears_);
+    Recorder recorder(launch.bus(), {task, kLoops, 0.1, kForever}, nullptr, launch.out(), &ears_);
     launch.start(supervisor, false);
     {
       Keeper keeper(launch, supervisor);

@@ -184,7 +184,7 @@ class Measurement {
     const config::Scenario& scenario = launch_.scenario();
     Supervisor supervisor;
     // nothing but the time ends it
-    Recorder recorder(launch_.bus(), {},
+    Recorder recorder(launch_.bus(),
                       {scenario.task.motion, std::numeric_limits<int>::max(), duration});
     launch_.start(supervisor, true);
     std::optional<WakeupProbe> probe;

@@ -90,7 +90,7 @@ Eigen::Vector3d vector(const std::vector<double>& row, std::size_t at) {
 
 std::vector<Question> questions(const campaign::RunResult& run, const config::Scenario& scenario,
                                 int count) {
-  const std::filesystem::path logs = run.folder / "log";
+  const std::filesystem::path logs = tables_of(run);
   const auto objects = campaign::read_columns(
       logs / "sim_scene.csv",
       {"time_ns", "objects_0_p_WB_m_0", "objects_0_p_WB_m_1", "objects_0_p_WB_m_2",

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "cli/paths.hpp"
+#include "cli/recording/export.hpp"
 #include "cli/report/course.hpp"
 #include "idl/text.hpp"
 
@@ -22,10 +23,23 @@ config::Scenario scenario_of(const campaign::RunSpec& spec) {
   return config::load_scenario(scenario_path(spec.scenario).string(), spec.overrides);
 }
 
+std::filesystem::path tables_of(const campaign::RunResult& run) {
+  const std::filesystem::path folder = run.folder / "tables";
+  if (!std::filesystem::is_directory(folder)) {
+    // whole or not at all: what is left of an interrupted one is begun again
+    const std::filesystem::path part = run.folder / "tables.part";
+    std::filesystem::remove_all(part);
+    std::filesystem::create_directory(part);
+    (void)write_csv(run.folder / kRecordingName, {}, part);
+    std::filesystem::rename(part, folder);
+  }
+  return folder;
+}
+
 std::vector<double> c3_instants(const campaign::RunResult& run) {
   std::vector<double> instants;
   for (const auto& plan :
-       campaign::read_cells(run.folder / "log" / "plan.csv", {"phase", "state_ns"})) {
+       campaign::read_cells(tables_of(run) / "plan.csv", {"phase", "state_ns"})) {
     if (wire::is_at_task(plan[0])) instants.push_back(std::strtod(plan[1].c_str(), nullptr));
   }
   if (instants.empty())
@@ -35,7 +49,7 @@ std::vector<double> c3_instants(const campaign::RunResult& run) {
 
 ObjectTrack object_track(const campaign::RunResult& run, int object) {
   const double start = c3_instants(run).front();
-  const auto rows = campaign::read_columns(run.folder / "log" / "sim_scene.csv",
+  const auto rows = campaign::read_columns(tables_of(run) / "sim_scene.csv",
                                            {"time_ns", fmt::format("objects_{}_p_WB_m_0", object),
                                             fmt::format("objects_{}_p_WB_m_1", object)});
   ObjectTrack track;
@@ -50,12 +64,12 @@ ObjectTrack object_track(const campaign::RunResult& run, int object) {
 EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
   const double start = c3_instants(run).front();
   std::map<double, Eigen::Vector3d> states;  // by time [ns]
-  for (const auto& row : campaign::read_columns(run.folder / "log" / "robot_state.csv",
+  for (const auto& row : campaign::read_columns(tables_of(run) / "robot_state.csv",
                                                 {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"}))
     states.emplace(row[0], Eigen::Vector3d(row[1], row[2], row[3]));
   EndEffectorTrack track;
   for (const auto& row : campaign::read_columns(
-           run.folder / "log" / "robot_command.csv",
+           tables_of(run) / "robot_command.csv",
            {"state_ns", "mode", "p_WE_desired_m_0", "p_WE_desired_m_1", "p_WE_desired_m_2"})) {
     const auto state = states.find(row[0]);
     if (static_cast<int>(row[1]) != c3rt_v2_IMPEDANCE_TRACK || state == states.end() ||

@@ -1,5 +1,6 @@
 #pragma once
-// What the figures of section VII share: a run's object and end effector from its logs.
+// What the figures of section VII share: a run's object and end effector from its samples.
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,13 @@ namespace c3rt::cli::reproduce {
 /// The scenario of a run, as it was run.
 config::Scenario scenario_of(const campaign::RunSpec& spec);
 
+/// The folder of the run's samples as tables, made from its recording when it is first asked for.
+/// @throws std::runtime_error if the run has no recording
+std::filesystem::path tables_of(const campaign::RunResult& run);
+
 /// When the states were taken that C3 planned from, in phase roll or return; the first is the
 /// begin of the task [ns].
-/// @throws std::runtime_error if the run has no logs or never began its task
+/// @throws std::runtime_error if the run has no recording or never began its task
 std::vector<double> c3_instants(const campaign::RunResult& run);
 
 /// The true positions of an object from the begin of the task.

@@ -190,7 +190,7 @@ class Soak {
     begin_streams(launch, task);
     Pass pass = begin_pass(seed);
     Supervisor supervisor;
-    Recorder recorder(launch.bus(), {}, goal, launch.out(), &watch_);
+    Recorder recorder(launch.bus(), goal, nullptr, launch.out(), &watch_);
     if (settings_.launch.in_process) {
       end(watch_in_process(scenario, seed, launch.bus(), recorder, {},
                            [this](const Live& live) { show(summary_.soaked + live.time); }));
@@ -203,7 +203,7 @@ class Soak {
     recorder.stop();
     supervisor.stop();
     if (!settings_.launch.in_process) launch.lock().set_ended("a pass of a soak ended");
-    pass.log_hash = recorder.log_hash();
+    pass.log_hash = recorder.samples().log_hash();
     end_pass(pass, launch, recorder, task, pass_length_);
     summary_.soaked += recorder.live().time;
   }
@@ -268,7 +268,7 @@ class Soak {
     };
     Supervisor supervisor;
     Pass pass = begin_pass(settings_.launch.seed);
-    Recorder recorder(launch.bus(), {}, goal(), launch.out(), &watch_);
+    Recorder recorder(launch.bus(), goal(), nullptr, launch.out(), &watch_);
     launch.start(supervisor, true);
     wire::Bus bus(launch.bus());
     wire::Writer<wire::TaskTarget> targets(bus);

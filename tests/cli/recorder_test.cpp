@@ -8,7 +8,6 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/task/circle.hpp"
 #include "tests/cli/eventually.hpp"
-#include "tests/cli/folder.hpp"
 #include "tests/idl/samples.hpp"
 
 using namespace c3rt;
@@ -27,9 +26,8 @@ wire::BusSettings settings(std::uint64_t session) {
 }
 
 TEST_CASE("Recorder: samples that cannot be are refused, not followed, and told") {
-  const Folder folder;
   Goal goal{task::Circle{{0.55, 0.0}, 0.1, 0.0}, 3, 60.0};
-  Recorder recorder(settings(7), folder.path() / "log", goal);
+  Recorder recorder(settings(7), goal);
   // a process of the run gone wrong: of the right session, and nobody else writes
   wire::Bus bus(settings(7));
   wire::Writer<wire::Plan> plans(bus);

@@ -1,7 +1,6 @@
 #pragma once
-// What a run leaves for later: one CSV file per topic, and a hash that tells two runs apart.
+// One table a topic, for those who have no reader of MCAP.
 #include <cerrno>
-#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -14,48 +13,8 @@
 #include <fmt/format.h>
 
 #include "cli/fields.hpp"
-#include "controller/base/hash.hpp"
 
 namespace c3rt::cli {
-
-/// A hash of the values in the order in which they are named. Of a header only sequence number and
-/// time count: the session is another one in each run. Times that the machine measured do not
-/// count.
-class HashVisitor {
- public:
-  template <typename T>
-  void operator()(const char*, const T& value) {
-    add(value);
-  }
-  void machine_time(const char*, double) {}
-  template <typename T, std::size_t n>
-  void list(const char*, const T (&values)[n], int count) {
-    for (int i = 0; i < count && i < static_cast<int>(n); ++i) add(values[i]);
-  }
-  std::uint64_t value() const { return hash_.value(); }
-  std::string text() const { return hash_.text(); }
-
- private:
-  template <typename T>
-  void add(const T& value) {
-    if constexpr (std::is_same_v<T, wire::Header>) {
-      add(value.seq);
-      add(value.time_ns);
-    } else if constexpr (std::is_array_v<T>) {
-      for (const auto& element : value) {
-        add(element);
-        // what stands behind the end of a text is of older samples
-        if constexpr (std::is_same_v<std::remove_extent_t<T>, char>)
-          if (element == '\0') break;
-      }
-    } else if constexpr (std::is_class_v<T>) {
-      wire::visit_fields(value, *this);
-    } else {
-      hash_.add(value);
-    }
-  }
-  base::Hash hash_;
-};
 
 /// One row of cells; `names` instead writes the head line. What is in an array of structs has its
 /// place in the name: knots_0_time_ns. What is longer than kWidest, as the predicted horizon, is
@@ -119,15 +78,13 @@ class CsvVisitor {
   std::string prefix_;  // of the names
 };
 
-/// The log of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until it
-/// is whole. Values with nine digits, time in ns.
+/// The samples of one topic: DIRECTORY/robot_state.csv for robot/state, with .part behind it until
+/// it is whole. Values with nine digits, time in ns.
 template <typename T>
-class TopicLog {
+class TopicCsv {
  public:
-  /// @param directory empty: the hash alone
   /// @throws std::runtime_error if the file cannot be written
-  explicit TopicLog(const std::filesystem::path& directory) {
-    if (directory.empty()) return;
+  explicit TopicCsv(const std::filesystem::path& directory) {
     std::string name = wire::topic<T>().name;
     for (char& c : name) c = c == '/' ? '_' : c;
     path_ = directory / (name + ".csv");
@@ -136,14 +93,9 @@ class TopicLog {
     write(T{}, true);
   }
   /// @throws std::runtime_error where the disk has no room for it
-  void add(const T& sample) {
-    visit_sample(sample, hash_);
-    if (file_) write(sample, false);
-  }
-  std::uint64_t hash() const { return hash_.value(); }
+  void add(const T& sample) { write(sample, false); }
   /// The file is whole. @throws std::runtime_error where the disk has no room for it
   void finish() {
-    if (!file_) return;
     errno = 0;
     if (std::fclose(file_.release()) != 0) fail();
     std::error_code error;
@@ -171,7 +123,6 @@ class TopicLog {
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
   fmt::memory_buffer row_;
-  HashVisitor hash_;
 };
 
 }  // namespace c3rt::cli

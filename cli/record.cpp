@@ -1,0 +1,243 @@
+#include "cli/record.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <thread>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "cli/exit_status.hpp"
+#include "cli/judge.hpp"
+#include "cli/lock.hpp"
+#include "cli/paths.hpp"
+#include "cli/recording/export.hpp"
+#include "cli/recording/recording.hpp"
+#include "cli/recording/samples.hpp"
+#include "cli/recording/taken_topics.hpp"
+#include "cli/report/pictures.hpp"
+#include "cli/report/report.hpp"
+#include "config/extends.hpp"
+#include "config/section.hpp"
+#include "config/show.hpp"
+#include "controller/base/time.hpp"
+#include "controller/rt/periodic_clock.hpp"
+#include "idl/process.hpp"
+
+namespace c3rt::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using base::seconds;
+
+constexpr auto kPoll = std::chrono::milliseconds(10);
+constexpr double kMebibyte = 1024.0 * 1024.0;
+
+/// What is running, for the report of its recording.
+void tell_instance(Recording& recording, std::uint32_t domain) {
+  const auto instance = holder(runtime_directory(), domain);
+  if (!instance) return;
+  recording.add_metadata(kRunMetadata, {{"scenario", instance->scenario},
+                                        {"file", instance->file},
+                                        {"seed", std::to_string(instance->seed)},
+                                        {"clock", instance->clock}});
+  recording.attach(kScenarioAttachment, "application/yaml",
+                   config::show(config::load_composed(instance->file, instance->overrides),
+                                config::Comments::kNone));
+}
+
+template <typename... T>
+std::uint64_t lost_of(TakenTopics<std::tuple<T...>>& topics) {
+  std::uint64_t lost = 0;
+  topics.for_each([&lost](auto& topic) { lost += topic.reader.counters().lost; });
+  return lost;
+}
+
+/// A line that grows no longer on a terminal; in a file each second one.
+class Progress {
+ public:
+  void say(const std::string& text) {
+    if (isatty(STDERR_FILENO) != 0) {
+      fmt::print(stderr, "\r\033[K{}", text);
+      shown_ = true;
+    } else {
+      fmt::print(stderr, "{}\n", text);
+    }
+    std::fflush(stderr);
+  }
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+
+ private:
+  bool shown_ = false;
+};
+
+std::string counted(const Recording& recording, std::uint64_t lost) {
+  return fmt::format("{} samples, {:.1f} MiB, {} lost", recording.samples(),
+                     static_cast<double>(recording.bytes()) / kMebibyte, lost);
+}
+
+/// What is wrong with a recording.
+void tell_of(const Contents& contents, const std::string& file) {
+  if (!contents.ending.whole)
+    fmt::print(stderr, "c3rt: {}: {}; what came before is used\n", file, contents.ending.why);
+  for (const auto& [topic, count] : contents.refused)
+    fmt::print(stderr, "c3rt: {}: {} messages of {} are no samples\n", file, count, topic);
+  for (const auto& [topic, why] : contents.other)
+    fmt::print(stderr, "c3rt: {}: {} is left out: {}\n", file, topic, why);
+}
+
+/// Keeps what the report needs.
+class Keeping final : public Listener {
+ public:
+#define C3RT_TOPIC(Type, ...) \
+  void hear(const wire::Type& sample) override { samples.add(sample); }
+  C3RT_TOPICS(C3RT_TOPIC)
+#undef C3RT_TOPIC
+  Samples samples;
+};
+
+std::string text_of(const Contents& contents, const char* metadata, const char* key) {
+  const auto texts = contents.metadata.find(metadata);
+  if (texts == contents.metadata.end()) return "";
+  const auto value = texts->second.find(key);
+  return value == texts->second.end() ? "" : value->second;
+}
+
+std::uint64_t seed_of(const Contents& contents) {
+  const std::string text = text_of(contents, kRunMetadata, "seed");
+  const bool number = !text.empty() && text.size() < 20 &&
+                      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return number ? std::stoull(text) : 1;
+}
+
+config::Scenario scenario_of(const ReportSettings& settings, const Contents& contents) {
+  if (!settings.scenario.empty()) {
+    return config::load_scenario(scenario_path(settings.scenario).string(), settings.overrides);
+  }
+  const auto text = contents.attachments.find(kScenarioAttachment);
+  if (text == contents.attachments.end()) {
+    throw UsageError(settings.file +
+                     " does not tell its scenario (no attachment scenario.yaml): name it with "
+                     "--scenario");
+  }
+  // what it names beside it (an object's model) is found from where it was
+  const std::string file = text_of(contents, kRunMetadata, "file");
+  return config::read_scenario(config::Document::parse(
+      text->second, file.empty() ? settings.file : file, settings.overrides));
+}
+
+bool ends_in_reflex(const Series& series) {
+  return !series.state.empty() && series.state.back().reflex;
+}
+
+}  // namespace
+
+int record(const Seat& seat, const RecordSettings& settings) {
+  const fs::path file = settings.file;
+  if (fs::exists(file)) throw UsageError(file.string() + " is there already");
+  wire::Bus bus(bus_settings(seat));
+  std::unique_ptr<Recording> recording;
+  try {
+    recording = std::make_unique<Recording>(file);
+  } catch (const mcap::Error& error) {
+    throw UsageError(error.what());
+  }
+  tell_instance(*recording, seat.domain);
+  TakenTopics<wire::TopicTypes> topics(bus);
+  const auto now = [] { return seconds(rt::now_ns()); };
+  const double begun = now();
+  double said = begun, heard = begun;
+  {
+    Progress progress;
+    while (!wire::StopFlag::requested()) {
+      const std::uint64_t before = recording->samples();
+      topics.for_each([&](auto& topic) { topic.drain({nullptr, recording.get(), nullptr}); });
+      const double time = now();
+      if (recording->samples() != before) heard = time;
+      if (settings.timeout_s > 0.0 && time - heard > settings.timeout_s) break;
+      if (settings.duration_s > 0.0 && time - begun >= settings.duration_s) break;
+      if (time - said >= 1.0) {
+        said = time;
+        progress.say(fmt::format("{:4.0f} s  {}", time - begun, counted(*recording, lost_of(topics))));
+      }
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+  recording->finish();
+  if (recording->samples() == 0) {
+    fs::remove(file);
+    fmt::print(stderr, "c3rt: error: nobody wrote anything on domain {}; is an instance up?\n",
+               seat.domain);
+    return kCriterionFailed;
+  }
+  const std::uint64_t lost = lost_of(topics);
+  fmt::print("{}: {}\n", file.string(), counted(*recording, lost));
+  return lost > 0 ? kCriterionFailed : kDone;
+}
+
+int report_recording(const ReportSettings& settings) {
+  Keeping keeping;
+  Contents contents;
+  try {
+    contents = play(settings.file, keeping);
+  } catch (const mcap::Error& error) {
+    throw UsageError(error.what());
+  }
+  tell_of(contents, settings.file);
+  const config::Scenario scenario = scenario_of(settings, contents);
+  const std::uint64_t seed = settings.seed ? *settings.seed : seed_of(contents);
+  Report report = judge(keeping.samples, scenario, seed);
+  report.clock = text_of(contents, kRunMetadata, "clock");
+  report.result = text_of(contents, kResultMetadata, "result");
+  if (report.result.empty())
+    report.result = result_of(report, ends_in_reflex(keeping.samples.series()));
+  const std::string factor = text_of(contents, kResultMetadata, "real_time_factor");
+  if (!factor.empty()) report.real_time_factor = std::strtod(factor.c_str(), nullptr);
+  fmt::print("{}", summary(report));
+  if (!settings.out.empty()) {
+    const fs::path out = make_folder(settings.out);
+    write_text(out / "report.json", to_json(report).dump(2) + "\n");
+    const std::string missing = draw_pictures(out, keeping.samples.series(),
+                                              scenario.task.motion.seeded(seed), report.figures,
+                                              fmt::format("{} ({})", scenario.name, report.clock));
+    if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
+    fmt::print("  {:<22}{}\n", "report and pictures", out.string());
+  }
+  return report.result == "passed" ? kDone : kCriterionFailed;
+}
+
+int export_recording(const std::string& file, const std::vector<std::string>& topics,
+                     const std::string& out) {
+  for (const std::string& topic : topics) {
+    if (!wire::with_topic(topic, [](const auto&) {}))
+      throw UsageError(topic + ": no topic; c3rt topics lists them");
+  }
+  fs::path folder = out;
+  if (out.empty()) {
+    folder = file;
+    folder.replace_extension("");
+    folder += "_csv";
+  }
+  Contents contents;
+  try {
+    contents = write_csv(file, topics, make_folder(folder));
+  } catch (const mcap::Error& error) {
+    throw UsageError(error.what());
+  }
+  tell_of(contents, file);
+  for (const auto& [topic, count] : contents.samples) {
+    if (topics.empty() || std::find(topics.begin(), topics.end(), topic) != topics.end())
+      fmt::print("{:<18}{:>10} samples\n", topic, count);
+  }
+  fmt::print("{}\n", folder.string());
+  return kDone;
+}
+
+}  // namespace c3rt::cli
