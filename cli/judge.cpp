@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "idl/process.hpp"
+#include "cli/table.hpp"
 #include "plant_emulator/errors.hpp"
 #include "plant_emulator/pushes.hpp"
 

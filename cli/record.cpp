@@ -112,8 +112,9 @@ std::string text_of(const Contents& contents, const char* metadata, const char* 
 
 std::uint64_t seed_of(const Contents& contents) {
   const std::string text = text_of(contents, kRunMetadata, "seed");
-  const bool number = !text.empty() && text.size() < 20 &&
-                      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const bool number =
+      !text.empty() && text.size() < 20 &&
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
   return number ? std::stoull(text) : 1;
 }
 
@@ -165,7 +166,8 @@ int record(const Seat& seat, const RecordSettings& settings) {
       if (settings.duration_s > 0.0 && time - begun >= settings.duration_s) break;
       if (time - said >= 1.0) {
         said = time;
-        progress.say(fmt::format("{:4.0f} s  {}", time - begun, counted(*recording, lost_of(topics))));
+        progress.say(
+            fmt::format("{:4.0f} s  {}", time - begun, counted(*recording, lost_of(topics))));
       }
       std::this_thread::sleep_for(kPoll);
     }
@@ -204,9 +206,9 @@ int report_recording(const ReportSettings& settings) {
   if (!settings.out.empty()) {
     const fs::path out = make_folder(settings.out);
     write_text(out / "report.json", to_json(report).dump(2) + "\n");
-    const std::string missing = draw_pictures(out, keeping.samples.series(),
-                                              scenario.task.motion.seeded(seed), report.figures,
-                                              fmt::format("{} ({})", scenario.name, report.clock));
+    const std::string missing =
+        draw_pictures(out, keeping.samples.series(), scenario.task.motion.seeded(seed),
+                      report.figures, fmt::format("{} ({})", scenario.name, report.clock));
     if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
     fmt::print("  {:<22}{}\n", "report and pictures", out.string());
   }

@@ -22,7 +22,7 @@ constexpr std::uint8_t kPlainLittleEndian = 1;
 constexpr std::size_t kEnd = 4;  // all of it is a multiple of this
 
 template <typename T>
-constexpr bool kIsText = std::is_array_v<T> && std::is_same_v<std::remove_extent_t<T>, char>;
+constexpr bool kIsText = std::is_array_v<T>&& std::is_same_v<std::remove_extent_t<T>, char>;
 
 class Encoder {
  public:
@@ -108,7 +108,8 @@ void to_cdr(const T& sample, Bytes& out) {
 /// its values make sense is validate()'s to say.
 template <typename T>
 bool from_cdr(const std::uint8_t* data, std::size_t size, T& sample) {
-  if (size < cdr::kEncapsulation || data[0] != 0 || data[1] != cdr::kPlainLittleEndian) return false;
+  if (size < cdr::kEncapsulation || data[0] != 0 || data[1] != cdr::kPlainLittleEndian)
+    return false;
   sample = T{};
   cdr::Decoder decoder(data + cdr::kEncapsulation, size - cdr::kEncapsulation);
   decoder(sample);

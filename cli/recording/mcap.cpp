@@ -80,7 +80,12 @@ void append_record(std::string& to, Opcode opcode, std::string_view content) {
 }
 
 std::string content_of(const Schema& schema) {
-  return Content().number(schema.id).text(schema.name).text(schema.encoding).text(schema.text).bytes();
+  return Content()
+      .number(schema.id)
+      .text(schema.name)
+      .text(schema.encoding)
+      .text(schema.text)
+      .bytes();
 }
 
 std::string content_of(const Channel& channel) {
@@ -182,8 +187,8 @@ std::uint16_t Writer::add_schema(const std::string& name, const std::string& enc
 std::uint16_t Writer::add_channel(std::uint16_t schema, const std::string& topic,
                                   const std::string& encoding, const Texts& metadata) {
   State& s = *state_;
-  s.channels.push_back({static_cast<std::uint16_t>(s.channels.size() + 1), schema, topic, encoding,
-                        metadata});
+  s.channels.push_back(
+      {static_cast<std::uint16_t>(s.channels.size() + 1), schema, topic, encoding, metadata});
   append_record(s.records, kChannel, content_of(s.channels.back()));
   return s.channels.back().id;
 }
@@ -220,14 +225,14 @@ void Writer::end_chunk() {
   if (ZSTD_isError(size) != 0) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
   const std::uint64_t begin = s.at;
   s.put_record(kChunkRecord, Content()
-                           .time(s.span.begin())
-                           .time(s.span.end())
-                           .number(static_cast<std::uint64_t>(s.records.size()))
-                           .number(crc_of(s.records))
-                           .text("zstd")
-                           .number(static_cast<std::uint64_t>(size))
-                           .raw(std::string_view(s.compressed).substr(0, size))
-                           .bytes());
+                                 .time(s.span.begin())
+                                 .time(s.span.end())
+                                 .number(static_cast<std::uint64_t>(s.records.size()))
+                                 .number(crc_of(s.records))
+                                 .text("zstd")
+                                 .number(static_cast<std::uint64_t>(size))
+                                 .raw(std::string_view(s.compressed).substr(0, size))
+                                 .bytes());
   const std::uint64_t length = s.at - begin;
   Content offsets;
   for (const auto& [channel, entries] : s.index) {
@@ -484,7 +489,8 @@ class Reading {
         channel.encoding = parts.text();
         channel.metadata = parts.texts();
         if (channel.schema != 0 && schemas_.count(channel.schema) == 0)
-          throw Damaged(fmt::format("channel {} has a schema that did not come before it", channel.id));
+          throw Damaged(
+              fmt::format("channel {} has a schema that did not come before it", channel.id));
         if (channels_.insert(channel.id).second) listener_.hear(channel);
         break;
       }
@@ -546,11 +552,11 @@ class Reading {
       unpacked_.resize(size);
       const std::size_t got =
           ZSTD_decompress(unpacked_.data(), unpacked_.size(), packed.data(), packed.size());
-      if (ZSTD_isError(got) != 0 || got != size)
-        throw Damaged("a chunk cannot be unpacked");
+      if (ZSTD_isError(got) != 0 || got != size) throw Damaged("a chunk cannot be unpacked");
       records = unpacked_;
     } else if (!compression.empty()) {
-      throw Damaged(fmt::format("a chunk's compression is {}; zstd or none can be read", compression));
+      throw Damaged(
+          fmt::format("a chunk's compression is {}; zstd or none can be read", compression));
     }
     if (crc != 0 && crc != crc_of(records)) throw Damaged("a chunk's checksum is wrong");
     Parts inside(records);
@@ -577,7 +583,7 @@ Ending read(const std::filesystem::path& path, Listener& listener) {
   }
 }
 
-Ending read(std::string_view bytes, Listener& listener) {
+Ending read_bytes(std::string_view bytes, Listener& listener) {
   Text text(bytes);
   return Reading(text, listener).run();
 }

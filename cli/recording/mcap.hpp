@@ -105,6 +105,6 @@ struct Ending {
 /// no index. @throws Error if it cannot be opened or does not begin as an MCAP
 Ending read(const std::filesystem::path& path, Listener& listener);
 /// The same of bytes.
-Ending read(std::string_view bytes, Listener& listener);
+Ending read_bytes(std::string_view bytes, Listener& listener);
 
 }  // namespace c3rt::mcap

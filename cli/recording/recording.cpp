@@ -110,10 +110,10 @@ Contents play(const std::filesystem::path& file, Listener& listener) {
   return contents;
 }
 
-Contents play(std::string_view bytes, Listener& listener) {
+Contents play_bytes(std::string_view bytes, Listener& listener) {
   Contents contents;
   Playing playing(listener, contents);
-  contents.ending = mcap::read(bytes, playing);
+  contents.ending = mcap::read_bytes(bytes, playing);
   return contents;
 }
 

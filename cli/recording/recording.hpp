@@ -15,7 +15,7 @@
 
 namespace c3rt::cli {
 
-constexpr const char* kRecordingName = "run.mcap";           // in the folder of a run
+constexpr const char* kRecordingName = "run.mcap";            // in the folder of a run
 constexpr const char* kScenarioAttachment = "scenario.yaml";  // whole, with nothing that it extends
 constexpr const char* kReportAttachment = "report.json";
 constexpr const char* kRunMetadata = "run";        // "scenario", "seed", "clock"
@@ -56,11 +56,11 @@ class Recording {
 
 /// What a recording has besides samples.
 struct Contents {
-  std::map<std::string, std::uint64_t> samples;       // by topic
-  std::map<std::string, std::uint64_t> refused;       // by topic: no such sample, or impossible
-  std::map<std::string, std::string> other;           // topics that are not of this contract: why
-  std::map<std::string, std::string> attachments;     // by name
-  std::map<std::string, mcap::Texts> metadata;        // by name
+  std::map<std::string, std::uint64_t> samples;    // by topic
+  std::map<std::string, std::uint64_t> refused;    // by topic: no such sample, or impossible
+  std::map<std::string, std::string> other;        // topics that are not of this contract: why
+  std::map<std::string, std::string> attachments;  // by name
+  std::map<std::string, mcap::Texts> metadata;     // by name
   mcap::Ending ending;
 };
 
@@ -68,6 +68,6 @@ struct Contents {
 /// @throws mcap::Error if it is none
 Contents play(const std::filesystem::path& file, Listener& listener);
 /// The same of bytes.
-Contents play(std::string_view bytes, Listener& listener);
+Contents play_bytes(std::string_view bytes, Listener& listener);
 
 }  // namespace c3rt::cli

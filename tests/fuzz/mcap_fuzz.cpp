@@ -21,10 +21,10 @@ void require(bool holds, const char* promise) {
 
 class Ears final : public cli::Listener {
  public:
-#define C3RT_TOPIC(Type, ...)                                                    \
-  void hear(const wire::Type& sample) override {                                 \
-    require(!wire::validate(sample), "what is heard is what a reader lets in");  \
-    ++heard;                                                                     \
+#define C3RT_TOPIC(Type, ...)                                                   \
+  void hear(const wire::Type& sample) override {                                \
+    require(!wire::validate(sample), "what is heard is what a reader lets in"); \
+    ++heard;                                                                    \
   }
   C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Ears ears;
   try {
     const cli::Contents contents =
-        cli::play(std::string_view(reinterpret_cast<const char*>(data), size), ears);
+        cli::play_bytes(std::string_view(reinterpret_cast<const char*>(data), size), ears);
     require(contents.ending.whole == contents.ending.why.empty(), "it says why it stopped");
     std::uint64_t counted = 0;
     for (const auto& [topic, count] : contents.samples) counted += count;

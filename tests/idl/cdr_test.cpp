@@ -31,8 +31,8 @@ Bytes sent_by_cyclone(const Bus& bus, const T& sample) {
   const std::string name = std::string("cdr/") + topic<T>().name;
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  const dds_entity_t entity = dds_create_topic(bus.participant(), topic<T>().descriptor,
-                                               name.c_str(), qos, nullptr);
+  const dds_entity_t entity =
+      dds_create_topic(bus.participant(), topic<T>().descriptor, name.c_str(), qos, nullptr);
   REQUIRE(entity > 0);
   const dds_entity_t reader = dds_create_reader(bus.participant(), entity, qos, nullptr);
   const dds_entity_t writer = dds_create_writer(bus.participant(), entity, qos, nullptr);
@@ -77,7 +77,8 @@ TEST_CASE("CDR: what was written is read again, to the last bit") {
   });
 }
 
-TEST_CASE("CDR: bytes that are cut off, of another representation, or of no text or truth are refused") {
+TEST_CASE(
+    "CDR: bytes that are cut off, of another representation, or of no text or truth are refused") {
   for_each_topic([&](const auto& kind) {
     using T = std::decay_t<decltype(kind)>;
     CAPTURE(topic<T>().name);

@@ -49,8 +49,8 @@ std::string bytes_of(const std::filesystem::path& file) {
 
 void say(mcap::Writer& writer, std::uint16_t channel, std::uint32_t sequence, std::int64_t ns,
          const std::string& text) {
-  writer.write({channel, sequence, ns, ns, reinterpret_cast<const std::uint8_t*>(text.data()),
-                text.size()});
+  writer.write(
+      {channel, sequence, ns, ns, reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 /// Three chunks, as they are a second each.
@@ -104,7 +104,7 @@ TEST_CASE("MCAP: of a file that a crash left all whole chunks are heard") {
   std::size_t heard = 0;
   for (std::size_t size = 8; size < bytes.size(); ++size) {
     Heard part;
-    const mcap::Ending cut = mcap::read(std::string_view(bytes).substr(0, size), part);
+    const mcap::Ending cut = mcap::read_bytes(std::string_view(bytes).substr(0, size), part);
     REQUIRE(part.lines.size() <= all.lines.size());
     REQUIRE(std::equal(part.lines.begin(), part.lines.end(), all.lines.begin()));
     REQUIRE(part.lines.size() >= heard);
@@ -128,12 +128,12 @@ TEST_CASE("MCAP: a file that is damaged is read up to there, and no other bytes 
     for (int j = 0; j < 1 + i % 4; ++j)
       changed[8 + random() % (changed.size() - 8)] = static_cast<char>(random());
     Heard heard;
-    const mcap::Ending ending = mcap::read(std::string_view(changed), heard);
+    const mcap::Ending ending = mcap::read_bytes(std::string_view(changed), heard);
     REQUIRE(ending.whole == ending.why.empty());
     damaged += ending.whole ? 0 : 1;
   }
   CHECK(damaged > 1000);
-  CHECK_THROWS_WITH(mcap::read(std::string_view("name: circle_slow"), all),
+  CHECK_THROWS_WITH(mcap::read_bytes(std::string_view("name: circle_slow"), all),
                     "it does not begin as an MCAP does");
   CHECK_THROWS_WITH(mcap::read(folder.path() / "none.mcap", all),
                     Catch::Contains("none.mcap: No such file"));

@@ -21,10 +21,10 @@ using wire::test::plain;
 /// Counts what it hears, and keeps it as a run does.
 class Ears final : public Listener {
  public:
-#define C3RT_TOPIC(Type, ...)                     \
-  void hear(const wire::Type& sample) override {  \
-    ++heard[wire::topic<wire::Type>().name];      \
-    samples.add(sample);                          \
+#define C3RT_TOPIC(Type, ...)                    \
+  void hear(const wire::Type& sample) override { \
+    ++heard[wire::topic<wire::Type>().name];     \
+    samples.add(sample);                         \
   }
   C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
