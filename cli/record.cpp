@@ -36,6 +36,7 @@ namespace {
 using base::seconds;
 
 constexpr auto kPoll = std::chrono::milliseconds(10);
+constexpr const char* kClients = "clients";  // of report.json
 constexpr double kMebibyte = 1024.0 * 1024.0;
 
 /// What is running, for the report of its recording.
@@ -134,6 +135,14 @@ config::Scenario scenario_of(const ReportSettings& settings, const Contents& con
       text->second, file.empty() ? settings.file : file, settings.overrides));
 }
 
+/// What clients did wrong that played a process stands in the run's own report alone.
+void keep_clients(const Contents& contents, nlohmann::ordered_json& report) {
+  const auto text = contents.attachments.find(kReportAttachment);
+  if (text == contents.attachments.end()) return;
+  const auto of_run = nlohmann::ordered_json::parse(text->second, nullptr, false);
+  if (of_run.is_object() && of_run.contains(kClients)) report[kClients] = of_run[kClients];
+}
+
 bool ends_in_reflex(const Series& series) {
   return !series.state.empty() && series.state.back().reflex;
 }
@@ -205,7 +214,9 @@ int report_recording(const ReportSettings& settings) {
   fmt::print("{}", summary(report));
   if (!settings.out.empty()) {
     const fs::path out = make_folder(settings.out);
-    write_text(out / "report.json", to_json(report).dump(2) + "\n");
+    nlohmann::ordered_json json = to_json(report);
+    keep_clients(contents, json);
+    write_text(out / "report.json", json.dump(2) + "\n");
     const std::string missing =
         draw_pictures(out, keeping.samples.series(), scenario.task.motion.seeded(seed),
                       report.figures, fmt::format("{} ({})", scenario.name, report.clock));

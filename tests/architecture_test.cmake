@@ -59,7 +59,7 @@ may(cli/doctor cli cli/keys config idl)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
 may(cli cli/report cli/recording cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos config idl controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
-may(python cli config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
+may(python cli cli/recording config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
 
 # a room's loader reads its section of the scenario
 files_may("/load_[a-z_]+[.][ch]pp$" config controller/lcs controller/c3 controller/model controller/mjcf)
@@ -73,6 +73,7 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(ser
     controller/rt controller/scene controller/model)
 files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
+files_may("^python/src/recording[.]" idl)
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)
 files_may("^cli/object_(add|picture)[.]" controller/mjcf controller/model controller/scene)
 files_may("^cli/inspect(_[a-z]+)?[.]" controller/lcs controller/mjcf controller/model controller/scene)

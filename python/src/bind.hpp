@@ -7,5 +7,6 @@ namespace c3rt::python {
 void bind_lcs(nanobind::module_& module);
 void bind_problem(nanobind::module_& module);
 void bind_models(nanobind::module_& module);
+void bind_recording(nanobind::module_& module);
 
 }  // namespace c3rt::python

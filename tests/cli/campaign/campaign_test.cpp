@@ -88,7 +88,7 @@ TEST_CASE("two seeds at once: a report each, one table, and the same bits as alo
   CHECK(table.at("figures").at("objects.0.rms_error_m").at("count") == 2);
   CHECK(fs::exists(folder.path() / "campaign.md"));
   // neither logs nor pictures unless wanted
-  CHECK_FALSE(fs::exists(folder.path() / "seed-0001" / "log"));
+  CHECK_FALSE(fs::exists(folder.path() / "seed-0001" / "run.mcap"));
   CHECK_FALSE(fs::exists(folder.path() / "seed-0001" / "path.png"));
 
   const auto made = fs::last_write_time(folder.path() / "seed-0002" / "report.json");
@@ -103,7 +103,7 @@ TEST_CASE("two seeds at once: a report each, one table, and the same bits as alo
 
   CHECK(campaign(other, kShort + "--seeds 2 --jobs 1 --logs").status == 1);
   CHECK(read(other.path() / "seed-0002" / "report.json").at("log_hash") == two.at("log_hash"));
-  CHECK(fs::exists(other.path() / "seed-0002" / "log" / "sim_scene.csv"));
+  CHECK(fs::exists(other.path() / "seed-0002" / "run.mcap"));
 }
 
 TEST_CASE("each run in one process gives the bits of four in lockstep") {
