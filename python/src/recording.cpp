@@ -1,4 +1,6 @@
 // Recordings as columns: what c3rt.log makes tables of. Of the network's library nothing is used.
+#include "cli/recording/recording.hpp"
+
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -15,7 +17,6 @@
 #include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 
-#include "cli/recording/recording.hpp"
 #include "python/src/bind.hpp"
 
 namespace c3rt::python {
@@ -137,13 +138,11 @@ template <typename T>
 nb::object array_of(std::vector<T>&& values, std::size_t width) {
   using Shown = std::conditional_t<std::is_same_v<T, Truth>, bool, T>;
   auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* memory) noexcept {
-    delete static_cast<std::vector<T>*>(memory);
-  });
+  const nb::capsule owner(
+      kept, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
   auto* data = reinterpret_cast<Shown*>(kept->data());
   if (width == 1) return nb::cast(nb::ndarray<nb::numpy, Shown>(data, {kept->size()}, owner));
-  return nb::cast(
-      nb::ndarray<nb::numpy, Shown>(data, {kept->size() / width, width}, owner));
+  return nb::cast(nb::ndarray<nb::numpy, Shown>(data, {kept->size() / width, width}, owner));
 }
 
 nb::object object_of(Column&& column) {
