@@ -116,11 +116,13 @@ function(c3rt_timeout variable seconds)
   set(${variable} ${seconds} PARENT_SCOPE)
 endfunction()
 
-# c3rt_test(room/name [DEPS target...] [LABEL unit|property|integration|system] [TIMEOUT seconds])
+# c3rt_test(room/name [DEPS target...] [LABEL unit|property|integration|system] [TIMEOUT seconds] [COST seconds] [WAITS])
+# WAITS: it computes next to nothing. For ctest a test is two processors and one that waits a single one: with five, as in
+# CMakePresets.json and ./c3rt test, two of them compute and one waits. What has a larger COST (default: TIMEOUT) begins first.
 # tests/room/name_test.cpp becomes the ctest "room/name". The target unit_tests builds those that need no process. A program
 # test_room_name has it by itself, or with sources that are joined one test_room the unit and property tests of its folder.
 function(c3rt_test path)
-  cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "DEPS" ${ARGN})
+  cmake_parse_arguments(arg "WAITS" "LABEL;TIMEOUT;COST" "DEPS" ${ARGN})
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
   endif()
@@ -145,7 +147,14 @@ function(c3rt_test path)
     add_test(NAME ${path} COMMAND ${target})
   endif()
   # what may take long begins first, so that no core waits for it at the end
-  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${timeout} COST ${arg_TIMEOUT})
+  if(NOT arg_COST)
+    set(arg_COST ${arg_TIMEOUT})
+  endif()
+  set(processors 2)
+  if(arg_WAITS)
+    set(processors 1)
+  endif()
+  set_tests_properties(${path} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${timeout} COST ${arg_COST} PROCESSORS ${processors})
 endfunction()
 
 # c3rt_test_program(TARGET LABEL SOURCES file... [DEPS target...])

@@ -91,6 +91,15 @@ TEST_CASE("in process: criteria decide the exit status, and it tells what its no
   CHECK(run("here", {"circle_slow", "--duration", "2"}).status == 1);
 }
 
+TEST_CASE("in process: what slides and what rolls come to their goals, and both stay there") {
+  const Run both = run("here", {"cone_and_ball", "--seed", "106"});
+  CHECK(both.status == 0);
+  CHECK(both.report.at("task").at("goals_reached") == 2);
+  CHECK(both.report.at("task").at("end_position_error_m").get<double>() < 0.012);
+  for (const json& object : both.report.at("objects"))
+    CHECK(object.at("max_error_m").get<double>() > 0.02);
+}
+
 TEST_CASE("in process: what needs DDS or the machine's clock is a usage error") {
   for (const char* option : {"--domain=3", "--dds=lan", "--clock=realtime"}) {
     CAPTURE(option);
