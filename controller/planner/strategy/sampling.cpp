@@ -370,7 +370,10 @@ class Sampling final : public Strategy {
       const double turned = std::clamp(turn, -of_.look_ahead_angle, of_.look_ahead_angle);
       const Eigen::AngleAxisd about_z(turned, Eigen::Vector3d::UnitZ());
       there.q_WB = Eigen::Quaterniond(about_z) * Eigen::Quaterniond(body.q_WB);
-      moves_wanted_[static_cast<std::size_t>(i)] << ahead(way) * way, kRadian * turned;
+      Eigen::Vector3d& moves = moves_wanted_[static_cast<std::size_t>(i)];
+      moves << ahead(way) * way, kRadian * turned;
+      // what rolls goes on by itself: a push against its way may be what it needs
+      if (rolls(body)) moves.setZero();
       gains_[static_cast<std::size_t>(i)] = gain_near_goal(way.norm(), turn);
       if (i == state_.body) decision_.body_target << goal.at, body.p_WB.z();
     }
