@@ -38,6 +38,7 @@
 #include "cli/service.hpp"
 #include "cli/soak/soak.hpp"
 #include "cli/solve.hpp"
+#include "cli/view.hpp"
 #include "controller/task/registry.hpp"
 #include "controller/task/request.hpp"
 #include "idl/faults.hpp"
@@ -101,6 +102,7 @@ class CommandLine {
     add_targets();
     add_tools();
     add_recordings();
+    add_view();
     add_library();
     add_campaign();
     add_reproduce();
@@ -444,6 +446,22 @@ class CommandLine {
     }
   }
 
+  void add_view() {
+    CLI::App* page = command(app_, "view", "What happens, live in a browser",
+                             [this] { return cli::view(seat_, view_); });
+    page->add_option("--scenario", view_.scenario,
+                     "Whose objects are drawn; default: that of the instance");
+    page->add_option("--set", view_.overrides, "Overrides one key of it: section.key=value")
+        ->expected(1)
+        ->take_all();
+    page->add_option("--port", view_.port, "Of the page")
+        ->check(cli::whole(1, 65535))
+        ->capture_default_str();
+    page->add_option("--host", view_.host, "That it is served to; 0.0.0.0: the whole network")
+        ->capture_default_str();
+    add_seat(*page, seat_);
+  }
+
   void add_recordings() {
     CLI::App* record = command(app_, "record", "Every sample of a running instance into one file",
                                [this] { return cli::record(seat_, record_); });
@@ -652,6 +670,7 @@ class CommandLine {
   cli::LookSettings look_;
   cli::RecordSettings record_;
   cli::ReportSettings report_;
+  cli::ViewSettings view_;
   std::string recording_, export_to_;  // of export
   std::vector<std::string> topics_;
   bool peers_ = false;
