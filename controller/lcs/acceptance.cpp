@@ -10,7 +10,7 @@ namespace {
 constexpr double kOfTerms = 1e-10;
 constexpr double kOfLargestForce = 1e-12;
 constexpr double kOfProblem = 1e-4;
-constexpr double kExact = 1e-12;
+constexpr double kExactForces = 1e-12;
 constexpr int kSweeps = 16;
 
 }  // namespace
@@ -54,7 +54,7 @@ bool is_exact(const Eigen::Ref<const Eigen::MatrixXd>& F,
               const Eigen::Ref<const Eigen::VectorXd>& terms,
               const Eigen::Ref<const Eigen::VectorXd>& lambda, double& residual) noexcept {
   residual = 0.0;
-  const double most = kOfProblem / kExact * terms.maxCoeff();
+  const double most = kOfProblem / kExactForces * terms.maxCoeff();
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     double y = q[i], of_terms = terms[i];
     for (Eigen::Index j = 0; j < q.size(); ++j) {
@@ -63,7 +63,7 @@ bool is_exact(const Eigen::Ref<const Eigen::MatrixXd>& F,
       of_terms += std::abs(force);
     }
     const double missing = lambda[i] > 0.0 ? std::abs(y) : std::max(-y, 0.0);
-    if (!(lambda[i] >= 0.0 && missing <= kExact * of_terms && of_terms <= most)) return false;
+    if (!(lambda[i] >= 0.0 && missing <= kExactForces * of_terms && of_terms <= most)) return false;
     residual = std::max(residual, std::abs(std::min(lambda[i], y)));
   }
   return true;

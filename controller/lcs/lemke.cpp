@@ -21,7 +21,7 @@ constexpr int kEveryVertex = 6;  // rows of which every other basis is tried as 
 constexpr int kOtherStarts = 4;  // with more rows
 constexpr int kProximalSteps = 8;
 // LcpMiss::relative of an answer that need not be made more exact.
-constexpr double kExact = 0.01;
+constexpr double kExactEnough = 0.01;
 constexpr double kLikeUnits = 1e6;
 
 }  // namespace
@@ -80,7 +80,7 @@ LcpReport Lemke::solve(const Eigen::Ref<const Eigen::MatrixXd>& F,
     // in units of very different size, what is rounding of one force is all of another
     const bool units_are_like = row_.maxCoeff() < kLikeUnits * row_.minCoeff() &&
                                 column_.maxCoeff() < kLikeUnits * column_.minCoeff();
-    if (units_are_like && missed.relative <= kExact) return report;
+    if (units_are_like && missed.relative <= kExactEnough) return report;
     for (int i = 0; i < n; ++i) start_[i] = 0;
     for (const int basic : basis_) {
       if (basic >= n && basic < 2 * n) start_[basic - n] = 1;
@@ -163,7 +163,7 @@ bool Lemke::try_regularised(const Lcp& lcp, double epsilon, LcpReport& report,
     if (dictionary_.cover(pivot_limit, kRegularisedPivot) != Dictionary<DoubleDouble>::End::kSolved)
       break;
     missed = take(lcp, report, lambda);
-    if (missed.relative <= kExact) break;
+    if (missed.relative <= kExactEnough) break;
   }
   report.pivots += dictionary_.pivots();
   report.epsilon = epsilon;

@@ -4,23 +4,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "controller/lcs/require.hpp"
 #include "controller/lcs/step.hpp"
 
 namespace c3rt::lcs {
 namespace {
-
-void require(const char* name, const Eigen::Ref<const Eigen::MatrixXd>& given, Eigen::Index rows,
-             Eigen::Index cols) {
-  const auto shape = [](Eigen::Index r, Eigen::Index c) {
-    return std::to_string(r) + " x " + std::to_string(c);
-  };
-  if (given.rows() != rows || given.cols() != cols)
-    throw std::invalid_argument("simulate: " + std::string(name) + ": expected " +
-                                shape(rows, cols) + ", got " + shape(given.rows(), given.cols()));
-  if (!given.allFinite())
-    throw std::invalid_argument("simulate: " + std::string(name) +
-                                ": expected finite numbers, got NaN or infinity");
-}
 
 // `system(k)` gives the matrices of step k
 template <typename System>
@@ -43,8 +31,8 @@ SimulateReport run(const System& system, const Eigen::Ref<const Eigen::VectorXd>
 template <typename Systems>
 Simulation run_checked(const Systems& lcs, const Sizes& sizes, const Eigen::VectorXd& x_0,
                        const Eigen::MatrixXd& u) {
-  require("x_0", x_0, sizes.n_x, 1);
-  require("u", u, sizes.n_u, u.cols());
+  require("simulate: x_0", x_0, sizes.n_x, 1);
+  require("simulate: u", u, sizes.n_u, u.cols());
   Simulation result;
   result.x.resize(sizes.n_x, u.cols() + 1);
   result.lambda.resize(sizes.n_lambda, u.cols());

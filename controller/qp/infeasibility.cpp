@@ -8,11 +8,12 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kFar = 1e7;        // so many times beyond the point no solution is sought
-constexpr double kMet = 1e-8;       // violation of rows, beside their terms, that counts as none
-constexpr double kStiffness = 1e7;  // of violated rows, beside that of the problem against them
-constexpr double kDescent = 1e-4;   // least share of the descent that the slope promises [Armijo]
-constexpr double kFlat = 1e-13;     // of the sum of squares: what it may rise by where it is flat
+constexpr double kFar = 1e7;   // so many times beyond the point no solution is sought
+constexpr double kMet = 1e-8;  // violation of rows, beside their terms, that counts as none
+constexpr double kViolatedStiffness =
+    1e7;                           // of violated rows, beside that of the problem against them
+constexpr double kDescent = 1e-4;  // least share of the descent that the slope promises [Armijo]
+constexpr double kFlat = 1e-13;    // of the sum of squares: what it may rise by where it is flat
 constexpr int kMaxSteps = 60;
 constexpr int kMaxHalvings = 20;  // of one step
 
@@ -71,7 +72,7 @@ bool Infeasibility::prove(QpModel& model, const VectorXd& inverse_hessian) noexc
     ++steps_;
     for (int i = 0; i < n; ++i) {
       const double outside = model.rows().outside(i, model.value()[i]);
-      weight_[i] = outside == 0.0 ? 0.0 : kStiffness / inverse_hessian[i];
+      weight_[i] = outside == 0.0 ? 0.0 : kViolatedStiffness / inverse_hessian[i];
       extra_[i] = weight_[i] * outside;
       multiplier_[i] = -extra_[i];
     }
@@ -80,7 +81,7 @@ bool Infeasibility::prove(QpModel& model, const VectorXd& inverse_hessian) noexc
     model.newton_of_rows(extra_);
     double slope = 0.0;
     for (int i = 0; i < n; ++i) {
-      if (extra_[i] != 0.0) slope += 2.0 / kStiffness * extra_[i] * model.change(i);
+      if (extra_[i] != 0.0) slope += 2.0 / kViolatedStiffness * extra_[i] * model.change(i);
     }
     if (!(slope < 0.0)) return false;
     z_ = model.z();

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "controller/qp/bound.hpp"
 
 namespace c3rt::qp {
 namespace {
@@ -10,17 +11,17 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr int kMaxIterations = 60;
 constexpr int kPatience = 5;        // corrections that find no fewer rows guessed wrongly
 constexpr int kMaxCorrections = 8;  // of the multipliers of active rows
 constexpr double kRemeasure = 2.0;  // change of rho after which these are measured anew
-constexpr double kStiffness =
+constexpr double kActiveStiffness =
     1e7;  // of the penalty of active rows, relative to the problem against them
-constexpr double kConverged = 1e-13;   // estimated error beside the largest entry of its kind
-constexpr double kAcceptable = 1e-7;   // residuals; worse: not solved
-constexpr double kConsistent = 1e-9;   // the same for what the states miss the dynamics by
-constexpr double kToBoundary = 0.995;  // share of the way to the boundary
+constexpr double kMultipliersSettled =
+    1e-13;  // estimated error beside the largest entry of its kind
+constexpr double kAcceptableResidual = 1e-7;    // residuals; worse: not solved
+constexpr double kMissedDynamics = 1e-9;        // the same for what the states miss the dynamics by
+constexpr double kToBoundary = 0.995;           // share of the way to the boundary
 constexpr double kMultipliersConverged = 1e-6;  // the same; worse: the active set is given up
 constexpr double kGaps[] = {1e-3, 1e-7, 1e-10, 1e-13};  // complementarity where a guess is tried
 
@@ -42,8 +43,8 @@ void InteriorPointQp::set_costs(const Costs& costs, const Constraints& constrain
   for (int i = 0; i < rows.all(); ++i) {
     const QpRows::Row& row = rows[i];
     if (row.lower == row.upper) continue;
-    if (row.lower > -kNone) sides_.push_back({i, 1.0, row.lower});
-    if (row.upper < kNone) sides_.push_back({i, -1.0, row.upper});
+    if (row.lower > -kInfinity) sides_.push_back({i, 1.0, row.lower});
+    if (row.upper < kInfinity) sides_.push_back({i, -1.0, row.upper});
   }
   for (VectorXd* v : {&inverse_hessian_, &weight_, &multiplier_, &extra_, &multiplier_kept_}) {
     v->setZero(rows.all());
@@ -72,7 +73,7 @@ QpReport InteriorPointQp::solve(double rho, const Eigen::Ref<const VectorXd>& x0
   if (!(rho <= kRemeasure * rho_measured_ && rho_measured_ <= kRemeasure * rho)) {
     weight_.setZero();
     if (!model_.factor(weight_)) {
-      return {QpStatus::kNotFactorable, 0, kNone, kNone};
+      return {QpStatus::kNotFactorable, 0, kInfinity, kInfinity};
     }
     model_.measure(inverse_hessian_);
     rho_measured_ = rho;
@@ -104,7 +105,7 @@ bool InteriorPointQp::solve_equalities() noexcept {
 /// Factors the problem with the penalties of the active rows.
 bool InteriorPointQp::factor_penalties() noexcept {
   for (int i = 0; i < model_.rows().count(); ++i) {
-    weight_[i] = active_[i] == Bound::kNone ? 0.0 : kStiffness / inverse_hessian_[i];
+    weight_[i] = active_[i] == Bound::kNone ? 0.0 : kActiveStiffness / inverse_hessian_[i];
     if (active_[i] == Bound::kNone) multiplier_[i] = 0.0;
   }
   ++iterations_;
@@ -148,7 +149,7 @@ bool InteriorPointQp::iterate_multipliers() noexcept {
     const double previous = change;
     if (!multiplier_step()) return false;
     change = model_.relative_step();
-    if (change * change <= kConverged * previous || change > 0.5 * previous) break;
+    if (change * change <= kMultipliersSettled * previous || change > 0.5 * previous) break;
   }
   if (!(change <= kMultipliersConverged)) return false;
   // rows that contradict each other end in a compromise
@@ -264,7 +265,7 @@ void InteriorPointQp::collect_multipliers() noexcept {
 bool InteriorPointQp::newton_step() noexcept {
   const int n = model_.rows().count();
   for (int i = 0; i < n; ++i) {
-    weight_[i] = active_[i] == Bound::kEquality ? kStiffness / inverse_hessian_[i] : 0.0;
+    weight_[i] = active_[i] == Bound::kEquality ? kActiveStiffness / inverse_hessian_[i] : 0.0;
   }
   double mu = 0.0;
   for (int j = 0; j < n_sides_; ++j) {
@@ -349,7 +350,8 @@ QpReport InteriorPointQp::check(QpStatus status) noexcept {
                                           std::abs(multiplier_[i]) * std::abs(value)));
   }
   const double inconsistency = model_.inconsistency(), violation = model_.violation();
-  const bool met = violation <= kAcceptable && inconsistency <= kConsistent && dual <= kAcceptable;
+  const bool met = violation <= kAcceptableResidual && inconsistency <= kMissedDynamics &&
+                   dual <= kAcceptableResidual;
   if (status == QpStatus::kSolved && !met) status = QpStatus::kNotConverged;
   if (!model_.z().allFinite() || !model_.x_N().allFinite()) status = QpStatus::kNotFactorable;
   return {status, iterations_, std::max(violation, inconsistency), dual};

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "controller/qp/bound.hpp"
 
 namespace c3rt::qp {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A column of length 1 with less than this left beside the active ones depends on them.
 constexpr double kDependent = 1e-9;
 // A coefficient this small beside the largest is rounding, not an active constraint in the way.

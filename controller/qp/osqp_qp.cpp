@@ -147,11 +147,11 @@ class OsqpQp final : public QpStep {
     failed |= osqp_update_lin_cost(work_, q_.data()) != 0;
     failed |= osqp_update_bounds(work_, lower_.data(), upper_.data()) != 0;
     failed |= osqp_solve(work_) != 0;
-    if (failed) return {QpStatus::kNotFactorable, 0, kNone, kNone};
+    if (failed) return {QpStatus::kNotFactorable, 0, kInfinity, kInfinity};
     const OSQPInfo& info = *work_->info;
     const int iterations = static_cast<int>(info.iter);
     if (info.status_val == OSQP_NON_CVX) {
-      return {QpStatus::kNotFactorable, iterations, kNone, kNone};
+      return {QpStatus::kNotFactorable, iterations, kInfinity, kInfinity};
     }
     if (info.status_val == OSQP_SOLVED) {
       const QpReport report = check(iterations);
@@ -172,12 +172,10 @@ class OsqpQp final : public QpStep {
   }
 
  private:
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
-
   /// The optimality conditions of OSQP's answer in the problem as it was given, relative as OSQP's
   /// tolerances are: beside 1 and the largest entry of their vectors.
   QpReport check(int iterations) noexcept {
-    QpReport report{QpStatus::kNotConverged, iterations, kNone, kNone};
+    QpReport report{QpStatus::kNotConverged, iterations, kInfinity, kInfinity};
     const double *x = work_->solution->x, *y = work_->solution->y;
     gradient_ = q_;
     row_values_.setZero();
@@ -251,17 +249,20 @@ class OsqpQp final : public QpStep {
     };
     for (int k = 0; k < sizes_.N; ++k) {
       for (int i = k == 0 ? n_x : 0; i < n_z; ++i) {  // x_0 is given
-        const double lower = bound_of(c.x_min[k], c.lambda_min[k], c.u_min[k], sizes_, i, -kNone);
-        const double upper = bound_of(c.x_max[k], c.lambda_max[k], c.u_max[k], sizes_, i, kNone);
+        const double lower =
+            bound_of(c.x_min[k], c.lambda_min[k], c.u_min[k], sizes_, i, -kInfinity);
+        const double upper =
+            bound_of(c.x_max[k], c.lambda_max[k], c.u_max[k], sizes_, i, kInfinity);
         const bool is_lambda_0 = k == 0 && i < n_x + sizes_.n_lambda;
-        if (lower == -kNone && upper == kNone && !is_lambda_0) continue;
+        if (lower == -kInfinity && upper == kInfinity && !is_lambda_0) continue;
         bound_row_[k * n_z + i] = static_cast<int>(lower_.size());
         add(lower, upper);
       }
     }
     for (int i = 0; i < n_x; ++i) {
-      const double lower = bound_at(c.x_N_min, i, -kNone), upper = bound_at(c.x_N_max, i, kNone);
-      if (lower == -kNone && upper == kNone) continue;
+      const double lower = bound_at(c.x_N_min, i, -kInfinity),
+                   upper = bound_at(c.x_N_max, i, kInfinity);
+      if (lower == -kInfinity && upper == kInfinity) continue;
       bound_row_[sizes_.N * n_z + i] = static_cast<int>(lower_.size());
       add(lower, upper);
     }
@@ -271,8 +272,8 @@ class OsqpQp final : public QpStep {
       first_row_[k] = static_cast<int>(lower_.size());
       for (Eigen::Index row = 0; row < C_[k].rows(); ++row) {
         const bool of_x_0 = k == 0 && C_[k].row(row).tail(n_z - n_x).isZero(0.0);
-        add(of_x_0 ? -kNone : bound_at(c.C_min[k], row, -kNone),
-            of_x_0 ? kNone : bound_at(c.C_max[k], row, kNone));
+        add(of_x_0 ? -kInfinity : bound_at(c.C_min[k], row, -kInfinity),
+            of_x_0 ? kInfinity : bound_at(c.C_max[k], row, kInfinity));
       }
     }
     first_lambda_0_ = bound_row_[n_x];

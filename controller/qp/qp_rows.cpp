@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "controller/qp/bound.hpp"
 
@@ -11,8 +10,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kNone = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -29,7 +26,8 @@ void QpRows::set(const Constraints& c) {
     for (Eigen::Index row = 0; row < c.C[k].rows(); ++row) {
       const VectorXd a = c.C[k].row(row);
       if (k == 0 && a.tail(sizes_.n_z() - n_x).isZero(0.0)) continue;  // x_0 is given
-      add_general(k, a, bound_at(c.C_min[k], row, -kNone), bound_at(c.C_max[k], row, kNone));
+      add_general(k, a, bound_at(c.C_min[k], row, -kInfinity),
+                  bound_at(c.C_max[k], row, kInfinity));
     }
   }
   add_bounds(sizes_.N, 0, c.x_N_min, c.x_N_max);
@@ -60,13 +58,14 @@ void QpRows::find_neighbours() {
 
 void QpRows::add_bounds(int k, int first, const VectorXd& lower, const VectorXd& upper) {
   for (Eigen::Index i = 0; i < std::max(lower.size(), upper.size()); ++i) {
-    const double l = bound_at(lower, i, -kNone), u = bound_at(upper, i, kNone);
-    if (l > -kNone || u < kNone) rows_.push_back({k, first + static_cast<int>(i), -1, l, u});
+    const double l = bound_at(lower, i, -kInfinity), u = bound_at(upper, i, kInfinity);
+    if (l > -kInfinity || u < kInfinity)
+      rows_.push_back({k, first + static_cast<int>(i), -1, l, u});
   }
 }
 
 void QpRows::add_general(int k, const VectorXd& a, double lower, double upper) {
-  if (lower == -kNone && upper == kNone) return;
+  if (lower == -kInfinity && upper == kInfinity) return;
   Eigen::Index largest = 0;
   const double size = a.cwiseAbs().maxCoeff(&largest);
   if (size == 0.0 || (a.array() != 0.0).count() > 1) {

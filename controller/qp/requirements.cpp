@@ -14,7 +14,7 @@ std::string shape(Eigen::Index rows, Eigen::Index cols) {
 }
 
 /// Eigenvalues this far below zero, beside the largest entry, are still rounding.
-constexpr double kRounding = 1e-12;
+constexpr double kRoundingOfEigenvalues = 1e-12;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void require_weight(const std::string& name, const Eigen::MatrixXd& weight, Eige
   }
   if (!weight.allFinite()) refuse(name, "finite numbers", "NaN or infinity");
   const double largest = size > 0 ? weight.cwiseAbs().maxCoeff() : 0.0;
-  if (!(weight - weight.transpose()).isZero(kRounding * largest)) {
+  if (!(weight - weight.transpose()).isZero(kRoundingOfEigenvalues * largest)) {
     refuse(name, "a symmetric matrix",
            "an asymmetry of " + text((weight - weight.transpose()).cwiseAbs().maxCoeff()));
   }
@@ -47,7 +47,7 @@ void require_weight(const std::string& name, const Eigen::MatrixXd& weight, Eige
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(weight, Eigen::EigenvaluesOnly);
   const double smallest = eigen.eigenvalues()[0];
-  if (!(smallest >= -kRounding * static_cast<double>(size) * largest)) {
+  if (!(smallest >= -kRoundingOfEigenvalues * static_cast<double>(size) * largest)) {
     refuse(name, "a positive semidefinite matrix", "the eigenvalue " + text(smallest));
   }
 }

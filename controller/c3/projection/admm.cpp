@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "controller/c3/projection/pair_rows.hpp"
 #include "controller/c3/projection/quadric.hpp"
 #include "controller/c3/solver.hpp"
+#include "controller/qp/bound.hpp"
 #include "controller/qp/node_qp.hpp"
 #include "controller/qp/requirements.hpp"
 
@@ -21,9 +21,9 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using qp::kInfinity;
 using qp::NodeQp;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kInSet = 1e-12;  // the same, for a copy that needs no further turn
 
 /// In coordinates δ = v + T h in which both the norm of U is ‖h‖ and the constraint λᵀ y = 0 is

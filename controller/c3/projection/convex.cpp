@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "controller/c3/consensus.hpp"
 #include "controller/c3/projection.hpp"
 #include "controller/c3/projection/pair_rows.hpp"
+#include "controller/qp/bound.hpp"
 #include "controller/qp/node_qp.hpp"
 #include "controller/qp/requirements.hpp"
 
@@ -19,11 +19,11 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using qp::kInfinity;
 using qp::NodeQp;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSingular = 1e-13;   // of the diagonal's entry: a pivot that counts as none
-constexpr double kZeroWeight = 1e-8;  // of the diagonal's entry, for F without full rank
+constexpr double kSingularPivot = 1e-13;  // of the diagonal's entry: a pivot that counts as none
+constexpr double kAddedToPivot = 1e-8;    // of the diagonal's entry, for F without full rank
 
 /// With S = sym F + ε I the cost in λ is ½ ‖λ − α v_λ‖²_S and a constant, so that all of it is the
 /// distance from [v_x; α v_λ; v_u] in the norm of W = blkdiag(Q_x, S, Q_u) = L Lᵀ. With
@@ -118,7 +118,7 @@ class ConvexProjection final : public Projection {
     if (is_definite()) return true;
     const double largest = S_.diagonal().maxCoeff();
     for (int i = 0; i < n_; ++i) {
-      S_(i, i) += kZeroWeight * (S_(i, i) > 0.0 ? S_(i, i) : largest > 0.0 ? largest : 1.0);
+      S_(i, i) += kAddedToPivot * (S_(i, i) > 0.0 ? S_(i, i) : largest > 0.0 ? largest : 1.0);
     }
     cholesky_.compute(S_);
     return is_definite();
@@ -128,7 +128,7 @@ class ConvexProjection final : public Projection {
     if (cholesky_.info() != Eigen::Success) return false;
     for (int i = 0; i < n_; ++i) {
       const double pivot = cholesky_.matrixLLT()(i, i);
-      if (!(pivot * pivot > kSingular * S_(i, i))) return false;
+      if (!(pivot * pivot > kSingularPivot * S_(i, i))) return false;
     }
     return true;
   }

@@ -50,8 +50,8 @@ std::unique_ptr<Projection> make_lcp_projection(const Sizes& sizes) {
 
 namespace {
 
-std::string why_no_point(const ProjectionReport& report, const Settings&, const Costs&,
-                         const lcs::Lcs&) {
+std::string why_no_point_of_lcp(const ProjectionReport& report, const Settings&, const Costs&,
+                                const lcs::Lcs&) {
   return report.status == ProjectionStatus::kNotFound
              ? "Lemke's method finds no solution of the LCP"
              : "";
@@ -71,7 +71,7 @@ const ProjectionType& lcp_projection() {
       nullptr,
       nullptr,
       {},
-      why_no_point};
+      why_no_point_of_lcp};
   return type;
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "controller/c3/projection.hpp"
 #include "controller/c3/projection/pair_rows.hpp"
 #include "controller/c3/solver.hpp"
+#include "controller/qp/bound.hpp"
 #include "controller/qp/branch_and_bound.hpp"
 #include "controller/qp/node_qp.hpp"
 
@@ -18,12 +18,12 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using qp::kInfinity;
 using qp::NodeQp;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kComplementary = 1e-10;  // the same, for the smaller side of a pair
-constexpr double kRounding = 1e-14;       // the same, for that side after the last polish
-constexpr double kSameObjective = 1e-12;  // a bound this close to the best cannot improve it
+constexpr double kComplementary = 1e-10;   // the same, for the smaller side of a pair
+constexpr double kRoundingOfSide = 1e-14;  // the same, for that side after the last polish
+constexpr double kSameObjective = 1e-12;   // a bound this close to the best cannot improve it
 
 /// Branch and bound, depth first. All that counts are the 2 n_lambda functionals of δ that the LCP
 /// is made of, [λ; y] = J δ + [0; c]. With U = L Lᵀ and δ = v + L⁻ᵀ f the QP of a node is a NodeQp
@@ -130,7 +130,8 @@ class MiqpProjection final : public Projection {
     NodeQp& node = nodes_[0];
     node.copy_from(best_);
     for (int i = 0; i < n_; ++i) node.pin(node.s()[i] <= node.s()[n_ + i] ? i : n_ + i);
-    const NodeQp::Status status = node.solve(rows_.C, rows_.t, kRounding * magnitude_, kInfinity);
+    const NodeQp::Status status =
+        node.solve(rows_.C, rows_.t, kRoundingOfSide * magnitude_, kInfinity);
     if (status == NodeQp::Status::kSolved) best_.copy_from(node);
     best_.refine(rows_.C, rows_.t);
     if (diagonal_) {
@@ -171,8 +172,8 @@ std::unique_ptr<Projection> make_miqp_projection(const Sizes& sizes, int max_nod
 
 namespace {
 
-std::string why_no_point(const ProjectionReport& report, const Settings& settings, const Costs&,
-                         const lcs::Lcs&) {
+std::string why_no_point_of_tree(const ProjectionReport& report, const Settings& settings,
+                                 const Costs&, const lcs::Lcs&) {
   if (report.status == ProjectionStatus::kEmpty)
     return "the set that the projection is onto is empty";
   if (report.status == ProjectionStatus::kNotFound && report.nodes >= settings.max_nodes) {
@@ -197,7 +198,7 @@ const ProjectionType& miqp_projection() {
                                    nullptr,
                                    nullptr,
                                    {},
-                                   why_no_point,
+                                   why_no_point_of_tree,
                                    true};
   return type;
 }

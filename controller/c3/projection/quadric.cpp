@@ -7,7 +7,7 @@ namespace c3rt::c3 {
 namespace {
 
 constexpr int kSteps = 200;
-constexpr double kRounding = 1e-15;   // of the largest term of the constraint
+constexpr double kRoundingOfConstraint = 1e-15;  // of the largest term of the constraint
 constexpr double kBeforeEnd = 1e-10;  // how near ν comes to the end of its interval, relatively
 
 struct Value {
@@ -63,7 +63,7 @@ double nearest_on_quadric(double q_0, const Eigen::VectorXd& g, const Eigen::Vec
   for (int i = 0; reached && i < kSteps; ++i) {
     const Value value = constraint(q_a, b, curvature, sign, nu);
     (value.q > 0.0 ? low : high) = nu;
-    if (std::abs(value.q) <= kRounding * value.magnitude) break;
+    if (std::abs(value.q) <= kRoundingOfConstraint * value.magnitude) break;
     // Newton's step where it stays inside, else the middle
     const double newton = nu - value.q / value.slope;
     const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
