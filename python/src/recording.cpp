@@ -145,9 +145,9 @@ nb::object array_of(std::vector<T>&& values, std::size_t width) {
   return nb::cast(nb::ndarray<nb::numpy, Shown>(data, {kept->size() / width, width}, owner));
 }
 
-nb::object object_of(Column&& column) {
+nb::object object_of(Column& column) {
   return std::visit(
-      [&](auto&& values) -> nb::object {
+      [&](auto& values) -> nb::object {
         using Values = std::decay_t<decltype(values)>;
         if constexpr (std::is_same_v<Values, std::vector<std::string>>) {
           nb::list list;
@@ -159,7 +159,7 @@ nb::object object_of(Column&& column) {
           return array_of(std::move(values), column.width);
         }
       },
-      std::move(column.values));
+      column.values);
 }
 
 nb::dict read_recording(const std::string& path,
@@ -173,10 +173,7 @@ nb::dict read_recording(const std::string& path,
   nb::dict frames, attachments, metadata, other;
   for (auto& [topic, columns] : tables.tables) {
     nb::dict frame;
-    for (Column& column : columns) {
-      const std::string name = column.name;
-      frame[name.c_str()] = object_of(std::move(column));
-    }
+    for (Column& column : columns) frame[column.name.c_str()] = object_of(column);
     frames[topic.c_str()] = frame;
   }
   for (const auto& [name, data] : contents.attachments)
