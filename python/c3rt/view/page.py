@@ -83,7 +83,7 @@ class _Plot:
     def __init__(self, server: viser.ViserServer, title: str, names: List[str]) -> None:
         self._rows: Deque[Tuple[float, ...]] = deque(maxlen=int(WINDOW_S * RATE_HZ))
         self._count = len(names)
-        series = [uplot.Series(label="s")]
+        series = [uplot.Series(label="seconds")]
         for name, colour in zip(names, COLOURS):
             series.append(uplot.Series(label=name, stroke=f"rgb{colour}", width=2))
         empty = tuple(np.array([0.0, 1.0]) for _ in range(1 + len(names)))
@@ -203,8 +203,10 @@ class Page:
             reply = action()
             replies = reply if isinstance(reply, list) else [reply]
             words = "; ".join(f"{one.process}: {one.text or 'done'}" for one in replies)
-        except (Refused, NoAnswer, ValueError) as refused:
+        except (Refused, ValueError) as refused:
             words = f"refused: {refused}"
+        except NoAnswer as silence:
+            words = str(silence)
         self._answer.content = f"*{label}*: {words}"
 
     def _push(self) -> List[float]:
