@@ -372,8 +372,9 @@ class Sampling final : public Strategy {
       there.q_WB = Eigen::Quaterniond(about_z) * Eigen::Quaterniond(body.q_WB);
       Eigen::Vector3d& moves = moves_wanted_[static_cast<std::size_t>(i)];
       moves << ahead(way) * way, kRadian * turned;
-      // what rolls goes on by itself: a push against its way may be what it needs
-      if (rolls(body)) moves.setZero();
+      // what rolls goes on by itself: where it is to rest, a push against its way may be what it
+      // needs
+      if (rolls(body) && goal.position_tolerance > 0.0) moves.setZero();
       gains_[static_cast<std::size_t>(i)] = gain_near_goal(way.norm(), turn);
       if (i == state_.body) decision_.body_target << goal.at, body.p_WB.z();
     }

@@ -143,6 +143,8 @@ class Page:
         scene = self._server.scene
         table = float(self._scene.get("table_height_m", 0.0))
         scene.set_up_direction("+z")
+        scene.set_environment_map(None)  # its picture fades in for half a minute where there is no graphics card
+        scene.add_light_hemisphere("/light", intensity=1.5)
         scene.set_background_image(np.full((2, 2, 3), 40, np.uint8))
         scene.add_grid("/table", width=1.0, height=1.0, cell_size=0.05, section_size=0.25, position=(0.5, 0.0, table))
         scene.add_frame("/W", axes_length=0.1, axes_radius=0.003)
