@@ -22,6 +22,7 @@ from ._core import (
     simulate,
     systems,
 )
+from ._run import run
 
 __all__ = [
     "LCS",
@@ -38,6 +39,7 @@ __all__ = [
     "load_problem",
     "planning_models",
     "projections",
+    "run",
     "simulate",
     "systems",
 ]

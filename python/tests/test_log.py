@@ -83,3 +83,29 @@ def test_what_is_no_recording_is_refused(tmp_path):
         c3rt.log.read(tmp_path / "a.mcap")
     with pytest.raises(ValueError, match="none.mcap: No such file"):
         c3rt.log.read(tmp_path / "none.mcap")
+
+
+def test_a_scenario_runs_and_gives_frames_and_report(run):
+    again = c3rt.run("push_t", duration=1.0)
+    assert again.report["log_hash"] == c3rt.log.read(run / "run.mcap").report["log_hash"]
+    assert len(again["robot/state"]) >= 1000
+
+
+def test_a_run_takes_seed_and_settings_and_keeps_what_is_asked_for(tmp_path):
+    other = c3rt.run("push_t", seed=2, duration=0.5, settings={"task.goals_m": [[0.5, 0.1]], "planner.rate_hz": 50}, out=tmp_path / "out")
+    assert other.report["seed"] == 2
+    assert "rate_hz: 50" in other.scenario
+    assert (tmp_path / "out" / "report.json").is_file()
+
+
+def test_what_is_wrong_with_a_run_is_said(monkeypatch):
+    with pytest.raises(ValueError, match="no_such_scenario"):
+        c3rt.run("no_such_scenario")
+    with pytest.raises(ValueError, match="planner.rate"):
+        c3rt.run("push_t", settings={"planner.rate": 50})
+    with pytest.raises(TypeError, match="seed: expected a whole number, got 1.5"):
+        c3rt.run("push_t", seed=1.5)
+    monkeypatch.delenv("C3RT_PROGRAM")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(FileNotFoundError, match="C3RT_PROGRAM"):
+        c3rt.run("push_t")
