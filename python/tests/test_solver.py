@@ -213,4 +213,5 @@ def test_the_stubs_name_what_the_package_has():
     stubs = (folder / "_core.pyi").read_text()
     assert (folder / "py.typed").exists()
     for name in c3rt.__all__:
-        assert f"class {name}" in stubs or f"def {name}(" in stubs, name
+        of_extension = hasattr(c3rt._core, name)  # the others are Python's own, and have their types where they stand
+        assert not of_extension or f"class {name}" in stubs or f"def {name}(" in stubs, name
