@@ -24,7 +24,7 @@ config::Scenario scenario_of(const campaign::RunSpec& spec) {
 }
 
 std::filesystem::path tables_of(const campaign::RunResult& run) {
-  const std::filesystem::path folder = run.folder / "tables";
+  std::filesystem::path folder = run.folder / "tables";
   if (!std::filesystem::is_directory(folder)) {
     // whole or not at all: what is left of an interrupted one is begun again
     const std::filesystem::path part = run.folder / "tables.part";
