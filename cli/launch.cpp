@@ -13,8 +13,6 @@
 #include "cli/keys/keystore.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
-#include "config/extends.hpp"
-#include "config/show.hpp"
 #include "idl/process.hpp"
 #include "idl/security.hpp"
 
@@ -69,11 +67,6 @@ Launch::Launch(const LaunchSettings& settings)
   }
   make_folder(out_ / "logs");
   require_room(out_ / "logs");
-}
-
-std::string Launch::scenario_text() const {
-  return config::show(config::load_composed(file_.string(), settings_.overrides),
-                      config::Comments::kNone);
 }
 
 void Launch::lock_domain() {
@@ -139,9 +132,8 @@ void Launch::start(Supervisor& supervisor, bool recorded) const {
   }
 }
 
-bool Launch::leaves_out(const std::string& name) const {
-  const std::vector<std::string>& without = settings_.without;
-  return std::find(without.begin(), without.end(), name) != without.end();
+bool LaunchSettings::leaves_out(const std::string& process) const {
+  return std::find(without.begin(), without.end(), process) != without.end();
 }
 
 int Launch::process_count() const {

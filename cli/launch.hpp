@@ -30,6 +30,7 @@ struct LaunchSettings {
   std::vector<std::string> without;  // processes that a client plays: "planner"
 
   const char* clock_name() const { return lockstep ? "lockstep" : "realtime"; }
+  bool leaves_out(const std::string& process) const;
 };
 
 /// A process failed or never came up: exit status 3.
@@ -57,12 +58,11 @@ class Launch {
 
   bool lockstep() const { return settings_.lockstep; }
   const std::vector<std::string>& without() const { return settings_.without; }
-  bool leaves_out(const std::string& name) const;
+  bool leaves_out(const std::string& name) const { return settings_.leaves_out(name); }
   int process_count() const;  // that are ours
   const std::string& profile() const { return settings_.dds_profile; }
   const config::Scenario& scenario() const { return scenario_; }
-  /// The same with its overrides as YAML that extends nothing.
-  std::string scenario_text() const;
+  const std::filesystem::path& file() const { return file_; }  // of the scenario
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
   DomainLock& lock() { return *lock_; }  // none where the nodes are in this process

@@ -75,15 +75,6 @@ class JsonVisitor {
   nlohmann::ordered_json object_;
 };
 
-[[noreturn]] void unknown_topic(const std::string& name) {
-  std::string known;
-  wire::for_each_topic([&](const auto& sample) {
-    known += (known.empty() ? "" : ", ") +
-             std::string(wire::topic<std::decay_t<decltype(sample)>>().name);
-  });
-  throw UsageError("unknown topic \"" + name + "\"; known: " + known);
-}
-
 /// Tells on stderr what is refused, once for each kind.
 class RefusalTeller {
  public:
@@ -182,6 +173,15 @@ std::string report_line(const std::vector<double>& gaps) {
 }
 
 }  // namespace
+
+void unknown_topic(const std::string& name) {
+  std::string known;
+  wire::for_each_topic([&](const auto& sample) {
+    known += (known.empty() ? "" : ", ") +
+             std::string(wire::topic<std::decay_t<decltype(sample)>>().name);
+  });
+  throw UsageError("unknown topic \"" + name + "\"; known: " + known);
+}
 
 int print_topics(const Seat& seat, bool peers) {
   wire::Bus bus(bus_settings(seat));

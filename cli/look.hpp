@@ -13,6 +13,9 @@ struct LookSettings {
   double timeout_s = 5.0;  // without a sample, until it is given up; 0: never
 };
 
+/// @throws UsageError that names the known ones
+[[noreturn]] void unknown_topic(const std::string& name);
+
 /// Every topic: readers, writers, rate, QoS and type; what the processes say of each other. With
 /// `peers` also every reader and writer with its process.
 int print_topics(const Seat& seat, bool peers);

@@ -46,13 +46,27 @@ Progress::~Progress() {
   if (terminal_ && drawn_) fmt::print(stderr, "\r\x1b[K");
 }
 
-void Progress::update(double share, const std::string& text) {
+bool Progress::is_time() {
   const double now = seconds_now();
-  if (now - drawn_at_ < (terminal_ ? kTerminalPeriod : kLinePeriod)) return;
+  if (now - drawn_at_ < (terminal_ ? kTerminalPeriod : kLinePeriod)) return false;
   drawn_at_ = now;
-  drawn_ = true;
+  return true;
+}
+
+void Progress::draw(const std::string& line) {
+  if (terminal_) {
+    drawn_ = true;
+    fmt::print(stderr, "\r{}\x1b[K", line.substr(0, terminal_width() - 1));
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+  std::fflush(stderr);
+}
+
+void Progress::update(double share, const std::string& text) {
+  if (!is_time()) return;
   share = std::clamp(share, 0.0, 1.0);
-  const double passed = now - started_;
+  const double passed = drawn_at_ - started_;
   const std::string left =
       share > 0.01 ? ", " + shown(passed / share - passed) + " left" : std::string();
   std::string line =
@@ -62,12 +76,12 @@ void Progress::update(double share, const std::string& text) {
     line = fmt::format("[{}{}] ", std::string(static_cast<std::size_t>(filled), '#'),
                        std::string(static_cast<std::size_t>(kBar - filled), '.')) +
            line;
-    line.resize(std::min(line.size(), terminal_width() - 1));
-    fmt::print(stderr, "\r{}\x1b[K", line);
-  } else {
-    fmt::print(stderr, "{}\n", line);
   }
-  std::fflush(stderr);
+  draw(line);
+}
+
+void Progress::update(const std::string& text) {
+  if (is_time()) draw(fmt::format("{}  {} ({})", title_, text, shown(drawn_at_ - started_)));
 }
 
 }  // namespace c3rt::cli

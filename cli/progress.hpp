@@ -20,8 +20,13 @@ class Progress {
   /// Call it often; it draws when it is time.
   /// @param share done so far, 0 … 1
   void update(double share, const std::string& text);
+  /// Of what has no known end.
+  void update(const std::string& text);
 
  private:
+  bool is_time();
+  void draw(const std::string& line);
+
   std::string title_;
   bool terminal_;
   bool drawn_ = false;

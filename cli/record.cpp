@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <map>
 #include <memory>
 #include <thread>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "cli/exit_status.hpp"
 #include "cli/judge.hpp"
 #include "cli/lock.hpp"
+#include "cli/look.hpp"
 #include "cli/paths.hpp"
+#include "cli/progress.hpp"
 #include "cli/recording/export.hpp"
 #include "cli/recording/recording.hpp"
 #include "cli/recording/samples.hpp"
@@ -39,45 +38,12 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 constexpr const char* kClients = "clients";  // of report.json
 constexpr double kMebibyte = 1024.0 * 1024.0;
 
-/// What is running, for the report of its recording.
-void tell_instance(Recording& recording, std::uint32_t domain) {
-  const auto instance = holder(runtime_directory(), domain);
-  if (!instance) return;
-  recording.add_metadata(kRunMetadata, {{"scenario", instance->scenario},
-                                        {"file", instance->file},
-                                        {"seed", std::to_string(instance->seed)},
-                                        {"clock", instance->clock}});
-  recording.attach(kScenarioAttachment, "application/yaml",
-                   config::show(config::load_composed(instance->file, instance->overrides),
-                                config::Comments::kNone));
-}
-
 template <typename... T>
 std::uint64_t lost_of(TakenTopics<std::tuple<T...>>& topics) {
   std::uint64_t lost = 0;
   topics.for_each([&lost](auto& topic) { lost += topic.reader.counters().lost; });
   return lost;
 }
-
-/// A line that grows no longer on a terminal; in a file each second one.
-class Progress {
- public:
-  void say(const std::string& text) {
-    if (isatty(STDERR_FILENO) != 0) {
-      fmt::print(stderr, "\r\033[K{}", text);
-      shown_ = true;
-    } else {
-      fmt::print(stderr, "{}\n", text);
-    }
-    std::fflush(stderr);
-  }
-  ~Progress() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
-  }
-
- private:
-  bool shown_ = false;
-};
 
 std::string counted(const Recording& recording, std::uint64_t lost) {
   return fmt::format("{} samples, {:.1f} MiB, {} lost", recording.samples(),
@@ -149,6 +115,16 @@ bool ends_in_reflex(const Series& series) {
 
 }  // namespace
 
+void tell(Recording& recording, const Recorded& of) {
+  recording.add_metadata(kRunMetadata, {{"scenario", of.scenario},
+                                        {"file", of.file},
+                                        {"seed", std::to_string(of.seed)},
+                                        {"clock", of.clock}});
+  recording.attach(
+      kScenarioAttachment, "application/yaml",
+      config::show(config::load_composed(of.file, of.overrides), config::Comments::kNone));
+}
+
 int record(const Seat& seat, const RecordSettings& settings) {
   const fs::path file = settings.file;
   if (fs::exists(file)) throw UsageError(file.string() + " is there already");
@@ -159,13 +135,16 @@ int record(const Seat& seat, const RecordSettings& settings) {
   } catch (const mcap::Error& error) {
     throw UsageError(error.what());
   }
-  tell_instance(*recording, seat.domain);
+  if (const auto instance = holder(runtime_directory(), seat.domain)) {
+    tell(*recording, {instance->scenario, instance->file, instance->overrides, instance->seed,
+                      instance->clock});
+  }
   TakenTopics<wire::TopicTypes> topics(bus);
   const auto now = [] { return seconds(rt::now_ns()); };
   const double begun = now();
-  double said = begun, heard = begun;
+  double heard = begun;
   {
-    Progress progress;
+    Progress progress("record");
     while (!wire::StopFlag::requested()) {
       const std::uint64_t before = recording->samples();
       topics.for_each([&](auto& topic) { topic.drain({nullptr, recording.get(), nullptr}); });
@@ -173,11 +152,7 @@ int record(const Seat& seat, const RecordSettings& settings) {
       if (recording->samples() != before) heard = time;
       if (settings.timeout_s > 0.0 && time - heard > settings.timeout_s) break;
       if (settings.duration_s > 0.0 && time - begun >= settings.duration_s) break;
-      if (time - said >= 1.0) {
-        said = time;
-        progress.say(
-            fmt::format("{:4.0f} s  {}", time - begun, counted(*recording, lost_of(topics))));
-      }
+      progress.update(counted(*recording, lost_of(topics)));
       std::this_thread::sleep_for(kPoll);
     }
   }
@@ -229,8 +204,7 @@ int report_recording(const ReportSettings& settings) {
 int export_recording(const std::string& file, const std::vector<std::string>& topics,
                      const std::string& out) {
   for (const std::string& topic : topics) {
-    if (!wire::with_topic(topic, [](const auto&) {}))
-      throw UsageError(topic + ": no topic; c3rt topics lists them");
+    if (!wire::with_topic(topic, [](const auto&) {})) unknown_topic(topic);
   }
   fs::path folder = out;
   if (out.empty()) {

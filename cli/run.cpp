@@ -12,6 +12,7 @@
 #include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
+#include "cli/record.hpp"
 #include "cli/recorder.hpp"
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"
@@ -37,15 +38,12 @@ Ending run_here(const Launch& launch, std::uint64_t seed, Recorder& recorder, Li
                           [&table](const Live& live) { table.update(live); });
 }
 
-/// What a run is of, so that its recording says it even if the run does not end.
 std::unique_ptr<Recording> begin_recording(const Launch& launch, const LaunchSettings& settings) {
   const std::filesystem::path file = launch.out() / kRecordingName;
   std::filesystem::remove(file);  // of an earlier run in this folder
   auto recording = std::make_unique<Recording>(file);
-  recording->attach(kScenarioAttachment, "application/yaml", launch.scenario_text());
-  recording->add_metadata(kRunMetadata, {{"scenario", launch.scenario().name},
-                                         {"seed", std::to_string(settings.seed)},
-                                         {"clock", settings.clock_name()}});
+  tell(*recording, {launch.scenario().name, std::filesystem::absolute(launch.file()).string(),
+                    settings.overrides, settings.seed, settings.clock_name()});
   return recording;
 }
 

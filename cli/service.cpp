@@ -72,12 +72,12 @@ int count_in_service(const Services& services) {
 }
 
 /// Names of our processes that are not in service, with a comma between them.
-std::string not_in_service(const Services& services, const std::vector<std::string>& without) {
+std::string not_in_service(const Services& services, const LaunchSettings& settings) {
   std::string names;
   for (int i = 0; i < wire::kProcessCount; ++i) {
     const std::string name = wire::process_name(static_cast<wire::Process>(i));
-    const bool left_out = std::find(without.begin(), without.end(), name) != without.end();
-    if (i == c3rt_v2_PROCESS_RECORDER || left_out || is_up(services[static_cast<std::size_t>(i)]))
+    if (i == c3rt_v2_PROCESS_RECORDER || settings.leaves_out(name) ||
+        is_up(services[static_cast<std::size_t>(i)]))
       continue;
     names += (names.empty() ? "" : ", ") + name;
   }
@@ -111,7 +111,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
     // one bus for all looks: where it is secure, processes take a second and more to trust it
     if (!bus) bus.emplace(bus_settings(seat));
     const Services services = listen(*bus, 1.0);
-    missing = not_in_service(services, settings.without);
+    missing = not_in_service(services, settings);
     if (missing.empty()) {
       fmt::print("{} is up (pid {}, domain {}, logs in {}/logs)\n{}", instance->scenario, pid,
                  settings.domain, instance->out, service_table(services));

@@ -76,6 +76,16 @@ with tempfile.TemporaryDirectory() as folder:
     c3rt("report", file, "--out", run / "again")
     check("the report of the recording is that of the run", json.loads((run / "again" / "report.json").read_text()) == report)
 
+    # somebody's own object beside their scenario is found wherever the report is asked for
+    root = pathlib.Path(__file__).resolve().parents[3]
+    own = pathlib.Path(folder) / "own"
+    own.mkdir()
+    (own / "mine.xml").write_text((root / "config/objects/t.xml").read_text())
+    scenario = (root / "config/scenarios/push_t.yaml").read_text().replace("../objects/t.xml", "mine.xml")
+    (own / "mine.yaml").write_text(scenario)
+    c3rt("run", own / "mine.yaml", "--in-process", "--duration", 0.2, "--no-pictures", "--out", run / "own")
+    check("the report of one's own object", "goals" in c3rt("report", run / "own" / "run.mcap"))
+
     # a crash leaves the beginning
     cut = run / "cut.mcap"
     cut.write_bytes(file.read_bytes()[:file.stat().st_size // 2])
