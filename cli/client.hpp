@@ -1,11 +1,10 @@
 #pragma once
 // A person's seat on the bus of a running instance: ask, tell, look.
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "cli/recording/samples.hpp"
 #include "controller/task/request.hpp"
 #include "idl/dds.hpp"
 
@@ -20,8 +19,6 @@ struct Seat {
 /// The settings that fit the instance on this domain: its clock, its session, its profile; realtime
 /// where none of this user runs.
 wire::BusSettings bus_settings(const Seat& seat);
-
-using Services = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount>;
 
 /// The newest words of every process that speaks within the time given; returns early once four
 /// have spoken.

@@ -69,10 +69,8 @@ std::set<int> guests_on(wire::Bus& bus, const std::vector<std::string>& names, d
 }
 
 std::string guests_text(const Launch& launch) {
-  std::string text;
-  for (const std::string& name : launch.without()) text += (text.empty() ? "" : ", ") + name;
-  return fmt::format("{}: yours, on domain {}, profile {}", text, launch.bus().domain,
-                     launch.profile());
+  return fmt::format("{}: yours, on domain {}, profile {}", fmt::join(launch.without(), ", "),
+                     launch.bus().domain, launch.profile());
 }
 
 bool await_guests(const Launch& launch, Supervisor& supervisor) {
@@ -85,12 +83,10 @@ bool await_guests(const Launch& launch, Supervisor& supervisor) {
     if (wire::StopFlag::requested()) return false;
     if (const auto ended = supervisor.poll()) throw ProcessFailure(failure_text(*ended));
     if (wall_time() > end) {
-      std::string names;
-      for (const std::string& name : missing) names += (names.empty() ? "" : ", ") + name;
       throw ProcessFailure(fmt::format(
           "nobody has come to play {} for {:g} s on domain {}, profile {}: a client says on "
           "service/status that it is in service (docs/clients.md)",
-          names, kPatience, launch.bus().domain, launch.profile()));
+          fmt::join(missing, ", "), kPatience, launch.bus().domain, launch.profile()));
     }
     bus.wait_for_data(kLook_ns);
     wire::ServiceStatus status{};

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/matrix_json.hpp"
 #include "cli/millimetres.hpp"
 #include "controller/scene/distance.hpp"
 
@@ -38,15 +39,7 @@ void warn_of_overlap(const scene::Object& object, std::vector<std::string>& warn
   }
 }
 
-nlohmann::json to_json(const MatrixXd& matrix) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    nlohmann::json row = nlohmann::json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
-    rows.push_back(row);
-  }
-  return rows;
-}
+nlohmann::json to_json(const MatrixXd& matrix) { return rows_of<nlohmann::json>(matrix); }
 
 nlohmann::json to_json(const VectorXd& vector) {
   nlohmann::json values = nlohmann::json::array();

@@ -14,7 +14,7 @@ Spread spread_of(const wire::Quantiles& quantiles) {
   return {quantiles.p50_s, quantiles.p95_s, quantiles.p99_s, quantiles.max_s};
 }
 
-ServiceFigures service_figures(const Words& words) {
+ServiceFigures service_figures(const Services& words) {
   ServiceFigures figures;
   if (const auto& impedance = words[c3rt_v2_PROCESS_IMPEDANCE]) {
     figures.impedance_wakeup = spread_of(impedance->wakeup_latency);

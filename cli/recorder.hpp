@@ -41,7 +41,7 @@ struct Live {
   int loops = 0;
   double object_error = kNone;  // newest distance to the path, of the worst object [m]
   std::optional<wire::Plan> plan;
-  Words services;
+  Services services;
   std::uint64_t steps = 0;                  // 1 kHz cycles of the plant so far
   std::vector<wire::RefusedCount> refused;  // by the recorder itself
   bool robot_stopped = false;  // in a reflex for longer than kReflexPatience: the run has ended

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "cli/lock.hpp"
+#include "cli/matrix_json.hpp"
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
 
@@ -25,17 +26,6 @@ constexpr const char* kLook =
     "  if importlib.util.find_spec(name) is None:\n"
     "    print('the package ' + name, end='')\n"
     "    sys.exit(1)\n";
-
-template <typename Matrix>
-ordered_json rows_of(const Matrix& matrix) {
-  ordered_json rows = ordered_json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    ordered_json row = ordered_json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 ordered_json list_of(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -60,7 +50,7 @@ ordered_json json_of(const scene::Shape& shape) {
       for (const scene::Part& part : shape.parts->parts) {
         parts.push_back({{"shape", json_of(part.shape)},
                          {"p_BP", list_of(part.p_BP)},
-                         {"R_BP", rows_of(part.R_BP)}});
+                         {"R_BP", rows_of<ordered_json>(part.R_BP)}});
       }
       return {{"kind", "union"}, {"parts", parts}};
     }

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <set>
 
 #include <fcntl.h>
@@ -98,12 +97,6 @@ std::string content_of(const Channel& channel) {
       .bytes();
 }
 
-/// Where something begins in the file.
-struct Index {
-  std::uint64_t offset;
-  std::string content;  // of its record in the summary
-};
-
 /// The earliest and the latest.
 struct Span {
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
@@ -128,7 +121,7 @@ struct Writer::State {
   std::vector<Schema> schemas;
   std::vector<Channel> channels;
   std::map<std::uint16_t, std::uint64_t> counts;  // messages by channel
-  std::uint64_t messages = 0, attachments = 0, metadata = 0, chunks = 0;
+  std::uint64_t messages = 0;
   Span all;
 
   // of the chunk
@@ -252,7 +245,6 @@ void Writer::end_chunk() {
                                 .number(static_cast<std::uint64_t>(size))
                                 .number(static_cast<std::uint64_t>(s.records.size()))
                                 .bytes());
-  ++s.chunks;
   s.records.clear();
   s.index.clear();
   s.span = {};
@@ -281,7 +273,6 @@ void Writer::attach(const Attachment& attachment) {
                                      .text(attachment.name)
                                      .text(attachment.media_type)
                                      .bytes());
-  ++s.attachments;
 }
 
 void Writer::add_metadata(const std::string& name, const Texts& texts) {
@@ -290,7 +281,6 @@ void Writer::add_metadata(const std::string& name, const Texts& texts) {
   const std::uint64_t begin = s.at;
   s.put_record(kMetadata, Content().text(name).texts(texts).bytes());
   s.metadata_indices.push_back(Content().number(begin).number(s.at - begin).text(name).bytes());
-  ++s.metadata;
 }
 
 void Writer::finish() {
@@ -322,9 +312,9 @@ void Writer::finish() {
                           .number(s.messages)
                           .number(static_cast<std::uint16_t>(s.schemas.size()))
                           .number(static_cast<std::uint32_t>(s.channels.size()))
-                          .number(static_cast<std::uint32_t>(s.attachments))
-                          .number(static_cast<std::uint32_t>(s.metadata))
-                          .number(static_cast<std::uint32_t>(s.chunks))
+                          .number(static_cast<std::uint32_t>(s.attachment_indices.size()))
+                          .number(static_cast<std::uint32_t>(s.metadata_indices.size()))
+                          .number(static_cast<std::uint32_t>(s.chunk_indices.size()))
                           .time(s.all.begin())
                           .time(s.all.end())
                           .text(counts.bytes())

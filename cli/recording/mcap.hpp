@@ -3,9 +3,7 @@
 // compressed chunks with an index, schemas, attachments, metadata. It knows nothing of what is in
 // them.
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>

@@ -14,7 +14,7 @@
 namespace c3rt::cli {
 
 /// The newest of each process.
-using Words = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount>;
+using Services = std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount>;
 
 class Samples {
  public:
@@ -30,7 +30,7 @@ class Samples {
   }
 
   const Series& series() const { return series_; }
-  const Words& words() const { return words_; }
+  const Services& words() const { return words_; }
   /// Of all streams.
   std::string log_hash() const;
   /// Forgets the series alone: the hash and the words are of all that came.
@@ -48,7 +48,7 @@ class Samples {
 
   Series series_;
   std::array<HashVisitor, c3rt_v2_TOPIC_COUNT> hashes_;
-  Words words_;
+  Services words_;
 };
 
 }  // namespace c3rt::cli

@@ -19,6 +19,7 @@
 #include <nanobind/stl/vector.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/matrix_json.hpp"
 #include "cli/monolithic.hpp"
 #include "controller/c3/solver.hpp"
 #include "controller/rt/worker_pool.hpp"
@@ -58,15 +59,7 @@ Json nested(const Numbers& of, std::size_t axis, std::size_t& next, const std::s
   return list;
 }
 
-Json to_json(const Eigen::MatrixXd& of) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < of.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < of.cols(); ++j) row.push_back(of(i, j));
-    rows.push_back(row);
-  }
-  return rows;
-}
+Json to_json(const Eigen::MatrixXd& of) { return cli::rows_of<Json>(of); }
 
 Json to_json(const Eigen::VectorXd& of) {
   Json list = Json::array();

@@ -2,22 +2,15 @@
 // every reader of the bus would let in, and says where it stopped.
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 #include "cli/recording/recording.hpp"
 #include "idl/validate.hpp"
+#include "tests/fuzz/promise.hpp"
 
 namespace {
 
 using namespace c3rt;
-
-void require(bool holds, const char* promise) {
-  if (holds) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
 
 class Ears final : public cli::Listener {
  public:

@@ -2,21 +2,14 @@
 // Error or triangles whose corners exist; and what is made of them is finite, or an Error.
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "cli/mesh/mesh.hpp"
+#include "tests/fuzz/promise.hpp"
 
 namespace {
 
 using namespace c3rt::cli;
-
-void require(bool holds, const char* promise) {
-  if (holds) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
 
 void look(const std::string& text, const std::string& file) try {
   mesh::Triangles triangles = mesh::parse(text, file);

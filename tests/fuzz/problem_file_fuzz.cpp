@@ -4,22 +4,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "config/problem_file.hpp"
 #include "controller/c3/solver.hpp"
+#include "tests/fuzz/promise.hpp"
 
 namespace {
 
 using namespace c3rt;
-
-void require(bool holds, const char* promise) {
-  if (holds) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
 
 /// Strikes when it has been asked often enough: a deadline without a clock.
 bool is_struck(void* context) noexcept { return --*static_cast<long*>(context) < 0; }

@@ -112,7 +112,6 @@ class Page:
                         ("robot/state", "robot/command", "robot/contact", "plan", "planner/debug", "sim/scene")}
         self._estimates = _Newest(client, "object/estimate", 32)
         self._statuses: Dict[str, Any] = {}
-        self._words = "The page begins."
         self._clicking: Optional[Callable[..., None]] = None
         self._robot = Robot(scene["urdf"]) if scene.get("urdf") else None
         self._build_scene()
