@@ -38,7 +38,8 @@ with tempfile.TemporaryDirectory() as folder:
     with file.open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
         summary = reader.get_summary()
-        messages = [(schema, channel, message) for schema, channel, message in reader.iter_messages()]
+        # as they came: several processes write service/status, and what came first need not be of the earlier time
+        messages = [(schema, channel, message) for schema, channel, message in reader.iter_messages(log_time_order=False)]
         attachments = {a.name: a.data.decode() for a in reader.iter_attachments()}
         metadata = {m.name: m.metadata for m in reader.iter_metadata()}
     counts = {summary.channels[key].topic: count for key, count in summary.statistics.channel_message_counts.items()}
