@@ -148,6 +148,7 @@ const Examples kExamples{
     {"scenario",
      {{"c3rt scenario", "the names of all"},
       {"c3rt scenario circle_fast", "whole, with what it extends"},
+      {"c3rt scenario circle_fast --keys", "what each key may be"},
       {"c3rt scenario circle_fast --set planner.rate_hz=75 > mine.yaml", "a copy for yourself"}}},
     {"solve",
      {{"c3rt solve problem.json --out result.json", ""},

@@ -541,9 +541,13 @@ class CommandLine {
     solve->add_option("--out", out_, "Result file; default: standard output");
     CLI::App* scenario = command(
         app_, "scenario", "Prints a scenario whole, with the file and line of every value", [this] {
+          if (as_keys_) return cli::print_keys(scenario_, overrides_);
           return scenario_.empty() ? cli::list_scenarios()
                                    : cli::print_scenario(scenario_, overrides_);
         });
+    scenario->add_flag("--keys", as_keys_,
+                       "Prints instead which keys are read: what is expected, and what stands in "
+                       "the place of one that is left out");
     scenario->add_option("scenario", scenario_,
                          "Name of a scenario, or a path to its file; none: lists those there are");
     scenario
@@ -674,6 +678,7 @@ class CommandLine {
   std::string recording_, export_to_;  // of export
   std::vector<std::string> topics_;
   bool peers_ = false;
+  bool as_keys_ = false;
   std::string process_;
   std::string kind_;
   std::vector<std::string> parameters_;

@@ -1,6 +1,7 @@
 #include "cli/scenario.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -8,18 +9,83 @@
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
 #include "config/extends.hpp"
+#include "config/keys.hpp"
 #include "config/scenario.hpp"
 #include "config/show.hpp"
 
 namespace c3rt::cli {
+namespace {
 
-int print_scenario(const std::string& scenario, const std::vector<std::string>& overrides) {
-  const std::filesystem::path file = scenario_path(scenario);
+void check(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   if (is_example(file)) {
     (void)load_example(file, overrides);
   } else {
     (void)config::load_scenario(file.string(), overrides);
   }
+}
+
+using Keys = std::map<std::string, config::Key>;
+
+/// The phases of a strategy have weights of the same kinds.
+std::string without_phase(const std::string& path) {
+  static constexpr const char* kWeights = "planner.weights.";
+  if (path.rfind(kWeights, 0) != 0) return path;
+  const std::size_t begin = std::char_traits<char>::length(kWeights);
+  const std::size_t end = path.find('.', begin);
+  return path.substr(0, begin) + "PHASE" + (end == std::string::npos ? "" : path.substr(end));
+}
+
+void add(const Keys& heard, Keys& all) {
+  for (const auto& [path, key] : heard) {
+    config::Key& known = all[without_phase(path)];
+    known.optional = known.optional || key.optional;
+    if (known.missing.empty()) known.missing = key.missing;
+    for (const std::string& expected : key.expected) {
+      if (std::find(known.expected.begin(), known.expected.end(), expected) == known.expected.end())
+        known.expected.push_back(expected);
+    }
+  }
+}
+
+void print(const Keys& keys, const std::string& heading) {
+  std::map<std::string, Keys> sections;
+  for (const auto& [path, key] : keys) {
+    if (key.expected.empty()) continue;  // a section: its keys say more
+    const std::size_t dot = path.find('.');
+    sections[dot == std::string::npos ? "" : path.substr(0, dot)].emplace(path, key);
+  }
+  for (const auto& [section, rows] : sections) {
+    fmt::print("\n## {}{}\n\n| key | expected | left out |\n| --- | --- | --- |\n", heading,
+               section.empty() ? "" : ": " + section);
+    for (const auto& [path, key] : rows) {
+      const std::string left_out = !key.missing.empty() ? key.missing
+                                   : key.optional       ? "may be"
+                                                        : "";
+      fmt::print("| `{}` | {} | {} |\n", path, fmt::join(key.expected, "; or "), left_out);
+    }
+  }
+}
+
+}  // namespace
+
+int print_keys(const std::string& scenario, const std::vector<std::string>& overrides) {
+  Keys of_runs, of_examples;
+  const std::vector<std::string> names =
+      scenario.empty() ? scenario_names() : std::vector<std::string>{scenario};
+  for (const std::string& name : names) {
+    const std::filesystem::path file = scenario_path(name);
+    const config::KeyListener listener;
+    check(file, overrides);
+    add(listener.keys(), is_example(file) ? of_examples : of_runs);
+  }
+  print(of_runs, "Runs");
+  print(of_examples, "Examples");
+  return kDone;
+}
+
+int print_scenario(const std::string& scenario, const std::vector<std::string>& overrides) {
+  const std::filesystem::path file = scenario_path(scenario);
+  check(file, overrides);
   fmt::print("{}", config::show(config::load_composed(file.string(), overrides),
                                 config::Comments::kPlaces));
   return kDone;

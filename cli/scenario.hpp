@@ -13,4 +13,9 @@ int print_scenario(const std::string& scenario, const std::vector<std::string>& 
 /// Prints the name and the description of every scenario that is shipped.
 int list_scenarios();
 
+/// Prints every key that the readers of these scenarios ask for, as a table in Markdown: what is
+/// expected, and what stands in the place of a key that is left out. Without one: of all that are
+/// shipped, which is docs/scenario_keys.md.
+int print_keys(const std::string& scenario, const std::vector<std::string>& overrides);
+
 }  // namespace c3rt::cli

@@ -8,6 +8,7 @@
 
 #include "config/directory.hpp"
 #include "config/extends.hpp"
+#include "config/keys.hpp"
 #include "config/text.hpp"
 #include "config/tree.hpp"
 
@@ -61,7 +62,10 @@ void Section::fail_at(const Tree& at, const std::string& key, const std::string&
                     ", got " + got);
 }
 
-bool Section::has(const std::string& key) const { return node_->mapping->find(key) != nullptr; }
+bool Section::has(const std::string& key) const {
+  note_optional(node_->key_path(key));
+  return node_->mapping->find(key) != nullptr;
+}
 
 bool Section::given(const std::string& key, bool needed, const std::string& why) const {
   if (has(key)) return true;
@@ -74,8 +78,9 @@ bool Section::given(const std::string& key, bool needed, const std::string& why)
 namespace {
 // Marks the key as read and gives its node; a missing key is an error that names it.
 template <typename N>
-const Tree& require(N& node, const std::string& key) {
+const Tree& require(N& node, const std::string& key, const std::string& expected) {
   node.read.insert(key);
+  note_key(node.key_path(key), expected);
   const Tree* child = node.mapping->find(key);
   if (child == nullptr || child->is_nothing())
     throw ConfigError(node.mapping->place.text() + ": " + node.key_path(key) + ": missing");
@@ -84,41 +89,46 @@ const Tree& require(N& node, const std::string& key) {
 }  // namespace
 
 double Section::number(const std::string& key, Range allowed) {
-  const Tree& child = require(*node_, key);
+  const std::string expected = "a number in " + range_text(allowed);
+  const Tree& child = require(*node_, key, expected);
   double value = 0.0;
   if (!to_number(child, value) || value < allowed.min || value > allowed.max)
-    fail(key, "a number in " + range_text(allowed), content(child));
+    fail(key, expected, content(child));
   return value;
 }
 
 double Section::number(const std::string& key, Range allowed, double missing) {
-  return has(key) ? number(key, allowed) : missing;
+  if (has(key)) return number(key, allowed);
+  note_missing(node_->key_path(key), "a number in " + range_text(allowed), text_of(missing));
+  return missing;
 }
 
 int Section::integer(const std::string& key, Range allowed) {
-  const Tree& child = require(*node_, key);
+  const std::string expected = "an integer in " + range_text(allowed);
+  const Tree& child = require(*node_, key, expected);
   double value = 0.0;
   if (!to_number(child, value) || value != std::floor(value) || value < allowed.min ||
       value > allowed.max)
-    fail(key, "an integer in " + range_text(allowed), content(child));
+    fail(key, expected, content(child));
   return static_cast<int>(value);
 }
 
 int Section::choice(const std::string& key, const std::vector<std::string>& names) {
-  const std::string value = text(key);
-  std::string known;
+  std::string expected = "one of ";
+  for (std::size_t i = 0; i < names.size(); ++i) expected += (i == 0 ? "" : ", ") + names[i];
+  const std::string value = text_at(require(*node_, key, expected), key);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (value == names[i]) return static_cast<int>(i);
-    known += (known.empty() ? "" : ", ") + names[i];
   }
-  fail(key, "one of " + known, "\"" + value + "\"");
+  fail(key, expected, "\"" + value + "\"");
 }
 
 bool Section::boolean(const std::string& key) {
-  const Tree& child = require(*node_, key);
+  const std::string expected = "true or false";
+  const Tree& child = require(*node_, key, expected);
   if (child.is_scalar() && child.scalar == "true") return true;
   if (child.is_scalar() && child.scalar == "false") return false;
-  fail(key, "true or false", content(child));
+  fail(key, expected, content(child));
 }
 
 std::string Section::text_at(const Tree& at, const std::string& key) const {
@@ -132,21 +142,24 @@ std::string Section::text_at(const Tree& at, const std::string& key) const {
   return value;
 }
 
-std::string Section::text(const std::string& key) { return text_at(require(*node_, key), key); }
+std::string Section::text(const std::string& key) {
+  return text_at(require(*node_, key, "a text"), key);
+}
 
 std::vector<std::string> Section::texts(const std::string& key, int size) {
-  const Tree& child = require(*node_, key);
+  const std::string expected = "a list of " + std::to_string(size) + " texts";
+  const Tree& child = require(*node_, key, expected);
   if (!child.is_list() || static_cast<int>(child.list.size()) != size)
-    fail(key, "a list of " + std::to_string(size) + " texts", content(child));
+    fail(key, expected, content(child));
   std::vector<std::string> result;
   for (const Tree& item : child.list) result.push_back(text_at(item, key));
   return result;
 }
 
 std::string Section::name(const std::string& key) {
-  const Tree& child = require(*node_, key);
-  if (!child.is_scalar() || !is_name(child.scalar))
-    fail(key, "1 to 64 letters, digits, _ and -", content(child));
+  const std::string expected = "1 to 64 letters, digits, _ and -";
+  const Tree& child = require(*node_, key, expected);
+  if (!child.is_scalar() || !is_name(child.scalar)) fail(key, expected, content(child));
   return child.scalar;
 }
 
@@ -166,17 +179,18 @@ std::string Section::file_at(const Tree& at, const std::string& key) const {
               shipped.lexically_normal().string());
 }
 
-std::string Section::file(const std::string& key) { return file_at(require(*node_, key), key); }
+std::string Section::file(const std::string& key) {
+  return file_at(require(*node_, key, "a file"), key);
+}
 
 std::vector<std::string> Section::files(const std::string& key, int min_size, int max_size) {
-  const Tree& child = require(*node_, key);
+  const std::string expected =
+      "a list of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " files";
+  const Tree& child = require(*node_, key, expected);
   if (child.is_scalar() && min_size <= 1) return {file_at(child, key)};
   if (!child.is_list() || static_cast<int>(child.list.size()) < min_size ||
-      static_cast<int>(child.list.size()) > max_size) {
-    fail(key,
-         "a list of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " files",
-         content(child));
-  }
+      static_cast<int>(child.list.size()) > max_size)
+    fail(key, expected, content(child));
   std::vector<std::string> result;
   for (const Tree& item : child.list) result.push_back(file_at(item, key));
   return result;
@@ -187,8 +201,8 @@ Eigen::VectorXd Section::numbers(const std::string& key, int size, Range allowed
 }
 
 Eigen::VectorXd Section::limits(const std::string& key, int size) {
-  const Tree& child = require(*node_, key);
   const std::string expected = "a list of " + std::to_string(size) + " numbers, .inf or -.inf";
+  const Tree& child = require(*node_, key, expected);
   if (!child.is_list() || static_cast<int>(child.list.size()) != size)
     fail(key, expected, content(child));
   Eigen::VectorXd values(size);
@@ -207,45 +221,55 @@ Eigen::VectorXd Section::limits(const std::string& key, int size) {
   return values;
 }
 
-Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_size,
-                                 Range allowed) {
-  const Tree& child = require(*node_, key);
+namespace {
+std::string numbers_text(int min_size, int max_size, Range allowed) {
   const std::string sizes = min_size == max_size
                                 ? std::to_string(min_size)
                                 : std::to_string(min_size) + " to " + std::to_string(max_size);
-  const std::string expected = "a list of " + sizes + " numbers in " + range_text(allowed);
-  if (!child.is_list() || static_cast<int>(child.list.size()) < min_size ||
-      static_cast<int>(child.list.size()) > max_size)
-    fail(key, expected, content(child));
-  Eigen::VectorXd values(static_cast<Eigen::Index>(child.list.size()));
-  for (std::size_t i = 0; i < child.list.size(); ++i) {
+  return "a list of " + sizes + " numbers in " + range_text(allowed);
+}
+}  // namespace
+
+Eigen::VectorXd Section::numbers(const std::string& key, int min_size, int max_size,
+                                 Range allowed) {
+  const Tree& child = require(*node_, key, numbers_text(min_size, max_size, allowed));
+  return numbers_at(child, key, min_size, max_size, allowed);
+}
+
+Eigen::VectorXd Section::numbers_at(const Tree& at, const std::string& key, int min_size,
+                                    int max_size, Range allowed) const {
+  const std::string expected = numbers_text(min_size, max_size, allowed);
+  if (!at.is_list() || static_cast<int>(at.list.size()) < min_size ||
+      static_cast<int>(at.list.size()) > max_size)
+    fail(key, expected, content(at));
+  Eigen::VectorXd values(static_cast<Eigen::Index>(at.list.size()));
+  for (std::size_t i = 0; i < at.list.size(); ++i) {
     double value = 0.0;
-    if (!to_number(child.list[i], value) || value < allowed.min || value > allowed.max)
-      fail_at(child.list[i], key, expected,
-              content(child.list[i]) + " at place " + std::to_string(i + 1));
+    if (!to_number(at.list[i], value) || value < allowed.min || value > allowed.max)
+      fail_at(at.list[i], key, expected,
+              content(at.list[i]) + " at place " + std::to_string(i + 1));
     values[static_cast<Eigen::Index>(i)] = value;
   }
   return values;
 }
 
 Eigen::VectorXd Section::one_or_each(const std::string& key, int size, Range allowed) {
-  const Tree& child = require(*node_, key);
-  if (child.is_list()) return numbers(key, size, allowed);
+  const std::string expected =
+      "a number in " + range_text(allowed) + ", or a list of " + std::to_string(size) + " of them";
+  const Tree& child = require(*node_, key, expected);
+  if (child.is_list()) return numbers_at(child, key, size, size, allowed);
   double value = 0.0;
   if (!to_number(child, value) || value < allowed.min || value > allowed.max)
-    fail(key,
-         "a number in " + range_text(allowed) + ", or a list of " + std::to_string(size) +
-             " of them",
-         content(child));
+    fail(key, expected, content(child));
   return Eigen::VectorXd::Constant(size, value);
 }
 
 Eigen::MatrixXd Section::rows(const std::string& key, int min_rows, int max_rows, int columns,
                               Range allowed) {
-  const Tree& child = require(*node_, key);
   const std::string expected = "a list of " + std::to_string(min_rows) + " to " +
                                std::to_string(max_rows) + " lists of " + std::to_string(columns) +
                                " numbers in " + range_text(allowed);
+  const Tree& child = require(*node_, key, expected);
   if (!child.is_list() || static_cast<int>(child.list.size()) < min_rows ||
       static_cast<int>(child.list.size()) > max_rows)
     fail(key, expected, content(child));
@@ -263,7 +287,7 @@ Eigen::MatrixXd Section::rows(const std::string& key, int min_rows, int max_rows
 }
 
 Section Section::section(const std::string& key) {
-  const Tree& child = require(*node_, key);
+  const Tree& child = require(*node_, key, "");
   if (!child.is_map()) fail(key, "a mapping", content(child));
   Section result;
   result.node_ = std::make_shared<Node>(Node{node_->whole, &child, node_->key_path(key), {}, {}});
@@ -272,9 +296,9 @@ Section Section::section(const std::string& key) {
 }
 
 std::vector<Section> Section::list(const std::string& key, int min_size, int max_size) {
-  const Tree& child = require(*node_, key);
   const std::string expected =
       "a list of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " mappings";
+  const Tree& child = require(*node_, key, expected);
   if (!child.is_list() || static_cast<int>(child.list.size()) < min_size ||
       static_cast<int>(child.list.size()) > max_size)
     fail(key, expected, content(child));

@@ -80,6 +80,8 @@ class Section {
                             const std::string& got) const;
   std::string text_at(const Tree& at, const std::string& key) const;
   std::string file_at(const Tree& at, const std::string& key) const;
+  Eigen::VectorXd numbers_at(const Tree& at, const std::string& key, int min_size, int max_size,
+                             Range allowed) const;
   struct Node;
   std::shared_ptr<Node> node_;
 };
