@@ -29,7 +29,11 @@ Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t see
       scene_(kScenePeriodNs),
       contact_(kContactPeriodNs),
       pushes_(drawn_pushes(parameters.pushes, static_cast<int>(parameters.world.objects.size()),
-                           seed)) {}
+                           seed)) {
+  // what MuJoCo warns about becomes a named error of the robot; it shall not write a log file of
+  // its own
+  mju_user_warning = [](const char*) {};
+}
 
 void Node::obey(const Order& order) noexcept {
   switch (order.kind) {

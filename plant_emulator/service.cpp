@@ -5,8 +5,6 @@
 #include <cmath>
 #include <thread>
 
-#include <mujoco/mujoco.h>
-
 #include "plant_emulator/errors.hpp"
 
 namespace c3rt::plant {
@@ -61,9 +59,6 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
       exposures_(endpoint.status().counter("exposures")),
       faults_(endpoint.status().counter("faults")) {
   success_min_ = 1000;
-  // what MuJoCo warns about becomes a named error of the robot; it shall not write a log file of
-  // its own
-  mju_user_warning = [](const char*) {};
 }
 
 void Service::step(std::int64_t at_ns, std::int64_t now_ns) noexcept {

@@ -148,15 +148,29 @@ Array view_stages(const Eigen::MatrixXd& of, nb::handle owner) {
                  {of.rows(), 1}, owner);
 }
 
-nb::object copy(const Eigen::VectorXd& of) {
-  auto kept = std::make_unique<Eigen::VectorXd>(of);
+namespace {
+
+/// An array that has the numbers of `of` for itself.
+template <typename Eigens>
+nb::object copy_of(const Eigens& of, std::vector<std::size_t> shape) {
+  auto kept = std::make_unique<Eigens>(of);
   double* data = kept->data();
-  const nb::capsule owner(kept.release(), [](void* vector) noexcept {
-    std::unique_ptr<Eigen::VectorXd>(static_cast<Eigen::VectorXd*>(vector)).reset();
+  const nb::capsule owner(kept.release(), [](void* numbers) noexcept {
+    std::unique_ptr<Eigens>(static_cast<Eigens*>(numbers)).reset();
   });
   static double nothing = 0.0;
-  return nb::cast(nb::ndarray<nb::numpy, double>(data != nullptr ? data : &nothing,
-                                                 {static_cast<std::size_t>(of.size())}, owner));
+  return nb::cast(nb::ndarray<nb::numpy, double>(data != nullptr ? data : &nothing, shape.size(),
+                                                 shape.data(), owner));
+}
+
+}  // namespace
+
+nb::object copy(const Eigen::VectorXd& of) {
+  return copy_of(of, {static_cast<std::size_t>(of.size())});
+}
+
+nb::object copy_stages(const Eigen::MatrixXd& of) {
+  return copy_of(of, {static_cast<std::size_t>(of.cols()), static_cast<std::size_t>(of.rows())});
 }
 
 }  // namespace c3rt::python

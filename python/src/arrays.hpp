@@ -44,5 +44,7 @@ Array view(const Eigen::MatrixXd& of, nb::handle owner);
 Array view_stages(const Eigen::MatrixXd& of, nb::handle owner);
 /// An array with memory of its own.
 nb::object copy(const Eigen::VectorXd& of);
+/// The same of a matrix: a column here is a row in Python.
+nb::object copy_stages(const Eigen::MatrixXd& of);
 
 }  // namespace c3rt::python

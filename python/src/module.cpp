@@ -1,6 +1,7 @@
 // The extension c3rt._core: what Python sees of the libraries.
 #include <exception>
 
+#include "cli/paths.hpp"
 #include "cli/recording/mcap.hpp"
 #include "config/config_error.hpp"
 #include "controller/mjcf/error.hpp"
@@ -17,10 +18,13 @@ NB_MODULE(_core, module) {
       PyErr_SetString(PyExc_ValueError, error.what());
     } catch (const c3rt::mcap::Error& error) {
       PyErr_SetString(PyExc_ValueError, error.what());
+    } catch (const c3rt::cli::UsageError& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
     }
   });
   c3rt::python::bind_lcs(module);
   c3rt::python::bind_problem(module);
   c3rt::python::bind_models(module);
   c3rt::python::bind_recording(module);
+  c3rt::python::bind_emulator(module);
 }
