@@ -179,10 +179,10 @@ class Solver {
     const c3::Sizes& sizes = problem_->sizes;
     Shared problem = problem_;
     if (!x0.is_none() || !lcs.is_none() || !x_desired.is_none()) {
-      auto changed = std::make_shared<ProblemFile>(*problem_);
-      if (!x0.is_none()) changed->x0 = vector(x0, "x0", sizes.n_x);
-      if (!x_desired.is_none()) changed->x_desired = desired(x_desired);
-      if (!lcs.is_none()) changed->lcs = systems(lcs);
+      const std::shared_ptr<ProblemFile> changed = spare();
+      changed->x0 = x0.is_none() ? problem_->x0 : vector(x0, "x0", sizes.n_x);
+      changed->x_desired = x_desired.is_none() ? problem_->x_desired : desired(x_desired);
+      changed->lcs = lcs.is_none() ? problem_->lcs : systems(lcs);
       problem = changed;
     }
     if (start != nullptr) require_start(*start);
@@ -206,6 +206,18 @@ class Solver {
   }
 
  private:
+  /// A copy of the problem for one call. Its costs are most of it, so one that no result holds any
+  /// longer is taken again; the interpreter's lock is held here and where a result goes.
+  std::shared_ptr<ProblemFile> spare() {
+    constexpr std::size_t kMost = 4;
+    for (const auto& kept : spares_) {
+      if (kept.use_count() == 1) return kept;
+    }
+    auto made = std::make_shared<ProblemFile>(*problem_);
+    if (spares_.size() < kMost) spares_.push_back(made);
+    return made;
+  }
+
   void require_start(const Result& start) const {
     const Eigen::MatrixXd& delta = solution_of(start).delta;
     const int N = problem_->sizes.N, n_copy = solver_.n_copy();
@@ -262,6 +274,7 @@ class Solver {
   }
 
   Shared problem_;
+  std::vector<std::shared_ptr<ProblemFile>> spares_;
   rt::WorkerPool pool_;
   c3::Solver solver_;
   std::mutex mutex_;

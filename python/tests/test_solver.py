@@ -108,6 +108,10 @@ def test_a_solver_takes_another_state_system_and_target_as_a_new_problem_would()
     assert np.allclose(each.u, alone.u, atol=1e-12)
     # nothing of that is left behind
     assert np.array_equal(solver.solve().u, first.u)
+    with pytest.raises(ValueError, match="^xd: "):
+        solver.solve(x0=x0, lcs=other, xd=[1.0])
+    for _ in range(6):
+        assert np.array_equal(solver.solve(xd=np.zeros(4)).u, first.u)
     # from an earlier one it begins elsewhere
     assert not np.array_equal(solver.solve(start=first).u, first.u)
 
