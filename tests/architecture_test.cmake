@@ -73,7 +73,7 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(ser
     controller/rt controller/scene controller/model)
 files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
-files_may("^python/src/recording[.]" idl)
+files_may("^python/src/(recording|wire_check)[.]" idl)
 files_may("^python/src/emulator[.]" controller/base controller/task controller/impedance idl plant_emulator)
 files_may("^cli/view[.]" controller/scene)
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)

@@ -9,5 +9,6 @@ void bind_problem(nanobind::module_& module);
 void bind_models(nanobind::module_& module);
 void bind_recording(nanobind::module_& module);
 void bind_emulator(nanobind::module_& module);
+void bind_wire_check(nanobind::module_& module);
 
 }  // namespace c3rt::python

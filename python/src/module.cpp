@@ -27,4 +27,5 @@ NB_MODULE(_core, module) {
   c3rt::python::bind_models(module);
   c3rt::python::bind_recording(module);
   c3rt::python::bind_emulator(module);
+  c3rt::python::bind_wire_check(module);
 }

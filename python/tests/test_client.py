@@ -13,6 +13,7 @@ pytest.importorskip("cyclonedds", reason="the package cyclonedds is the extra [d
 from cyclonedds.qos import Policy  # noqa: E402
 
 import c3rt.v2 as types  # noqa: E402
+from c3rt._core import refusal  # noqa: E402
 from c3rt.client import Client, Estimate, Estimator, Knot, NoAnswer, Planner, _bus, _client, _process  # noqa: E402
 
 
@@ -134,6 +135,56 @@ def test_an_estimate_is_an_estimate_of_an_object_that_can_be():
         sees._write(0, [(0, [0, 0, 0])])
     with pytest.raises(ValueError, match="^index: expected 0 to 7, got 8"):
         sees._write(0, [Estimate(8, [0, 0, 0])])
+
+
+def estimate(**fields):
+    return types.ObjectEstimate(**{"header": types.Header(1, 1, 10), "q_WB": [1.0, 0.0, 0.0, 0.0], **fields})
+
+
+@pytest.mark.parametrize("topic, sample, why", [
+    ("object/estimate", estimate(), ""),
+    ("object/estimate", estimate(q_WB=[0.0] * 4), "zero quaternion q_WB: norm 0, expected 1"),
+    ("object/estimate", estimate(p_WB_m=[0.0, float("nan"), 0.0]), "p_WB_m[1] is nan, expected -10 to 10"),
+    ("object/estimate", estimate(object_index=8), "object_index is 8, expected 0 to 7"),
+    ("object/estimate", estimate(name="a\x1b[2J"), "name is no text: expected at most 31 printable letters and an end"),
+    ("object/estimate", estimate(header=types.Header(1, 0, 10)), "header.seq is 0, expected 1 to "),
+    ("object/estimate", estimate(header=types.Header(1, 1, -1)), "header.time_ns in seconds is -1e-09, expected 0 to "),
+    ("plan", types.Plan(header=types.Header(1, 1, 10), valid_until_ns=20, knot_count=17), "knot_count is 17, expected 1 to 16"),
+    ("plan", estimate(), "not the bytes of a sample of plan"),
+])
+def test_what_a_value_cannot_be_is_refused_as_by_the_processes(topic, sample, why):
+    said = refusal(topic, sample.serialize())
+    assert said == why or (why.endswith(" to ") and said.startswith(why))
+
+
+def test_an_enumerator_that_there_is_not_is_refused_and_so_are_bytes_that_end_too_early():
+    modes = [bytearray(types.RobotState(header=types.Header(1, 1, 10), mode=mode).serialize())
+             for mode in (types.RobotMode.ROBOT_IDLE, types.RobotMode.ROBOT_MOVE)]
+    place = next(i for i, (a, b) in enumerate(zip(*modes)) if a != b)
+    modes[0][place] = 200
+    assert refusal("robot/state", bytes(modes[0])) == "mode is 200, expected an enumerator, 0 to 3"
+    for length in range(0, len(modes[1]) - 4, 7):
+        assert refusal("robot/state", bytes(modes[1][:length])) == "not the bytes of a sample of robot/state"
+
+
+def test_a_reader_gives_out_what_can_be_and_says_what_could_not():
+    with Client(domain=87) as client:
+        writer = _bus.Writer(client._bus, "object/estimate")
+        reader = client.reader("object/estimate", depth=10)
+        for _ in range(100):  # until both have found each other
+            writer.write(estimate(p_WB_m=[0.1, 0.0, 0.0]), 1)
+            if reader.wait(0.1):
+                break
+        assert [sample.p_WB_m[0] for sample in reader.take()][-1] == 0.1 and reader.refused == 0
+        writer.write(estimate(p_WB_m=[11.0, 0.0, 0.0]), 2)
+        writer.write(estimate(p_WB_m=[0.2, 0.0, 0.0]), 3)
+        got = []
+        while not got or got[-1] != 0.2:
+            assert reader.wait(5.0)
+            got += [sample.p_WB_m[0] for sample in reader.take()]
+        assert 11.0 not in got
+        if reader.refused:  # keep last 1: the one before may be gone before it is read
+            assert reader.refusal == "object/estimate: p_WB_m[0] is 11, expected -10 to 10"
 
 
 def test_where_nobody_writes_it_is_told_on_which_domain_and_what_to_do(monkeypatch):

@@ -12,6 +12,7 @@ import sys
 import textwrap
 import threading
 
+import numpy as np
 import pytest
 
 pytest.importorskip("cyclonedds", reason="the package cyclonedds could not be had")
@@ -36,14 +37,19 @@ def c3rt(*words, status=0):
     return ran.stdout
 
 
-def example(*words):
-    return subprocess.Popen([sys.executable, str(ROOT / "examples/python_planner/planner.py"), "--domain", str(DOMAIN), *words],
+def example(*words, program="python_planner/planner.py"):
+    return subprocess.Popen([sys.executable, str(ROOT / "examples" / program), *words, "--domain", str(DOMAIN)],
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
-def run(scenario, without, out, *words, status=0):
-    said = c3rt("run", scenario, "--without", without, "--clock", "lockstep", "--domain", DOMAIN, "--no-pictures", "--no-logs",
-                "--out", out, *words, status=status)
+def ends(process):
+    words, _ = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, words) == (0, "")
+
+
+def run(scenario, without, out, *words, status=0, logs=False):
+    said = c3rt("run", scenario, "--without", without, "--clock", "lockstep", "--domain", DOMAIN, "--no-pictures",
+                *([] if logs else ["--no-logs"]), "--out", out, *words, status=status)
     return json.loads((out / "report.json").read_text()), said
 
 
@@ -90,6 +96,50 @@ def test_an_estimator_or_a_camera_of_one_s_own_takes_vision_s_place(tmp_path, ki
     assert client["rate_hz"] == pytest.approx(80.0, rel=0.01)
     if kind is FromTruth:
         assert report["vision"]["dropped_frames"] <= 1 and report["vision"]["error_m"]["max"] < 1e-9
+
+
+def test_the_example_s_estimator_is_a_millimetre_wrong_and_the_ball_rolls(tmp_path):
+    estimator = example("--clock", "lockstep", program="estimator/estimator.py")
+    report, _ = run("circle_slow", "vision", tmp_path / "out", "--duration", "3", status=1, logs=True)
+    ends(estimator)
+    assert report["clients"][0]["problems"] == [] and report["plant"]["reflexes"] == []
+    assert 3e-4 < report["vision"]["error_m"]["p50"] < 3e-3 and report["vision"]["error_m"]["max"] < 6e-3
+    scene = recorded(tmp_path / "out", "sim/scene")
+    assert np.ptp(scene["objects_0_p_WB_m_0"]) > 0.02
+
+
+def recorded(folder, topic):
+    log = pytest.importorskip("c3rt.log", reason="pandas is the extra [log]")
+    return log.read(folder / "run.mcap", topics=[topic])[topic]
+
+
+def picture(file, x, y):
+    """A ball that a camera straight above sees, as examples/image_files/camera.py has it."""
+    rows, columns = np.mgrid[0:600, 0:400]
+    on_ball = np.hypot(0.35 + 0.001 * (columns + 0.5) - x, 0.3 - 0.001 * (rows + 0.5) - y) < 0.0315
+    file.write_bytes(b"P5\n400 600\n255\n" + np.where(on_ball, 220, 32).astype(np.uint8).tobytes())
+
+
+def test_the_example_s_camera_finds_the_ball_of_each_file(tmp_path):
+    files = tmp_path / "files"
+    files.mkdir()
+    drawn = [(0.55 + 0.001 * i, 0.05) for i in range(25)]
+    for i, (x, y) in enumerate(drawn):
+        picture(files / f"{i:03}.pgm", x, y)
+    camera = example(str(files), "--clock", "lockstep", program="image_files/camera.py")
+    run("circle_slow", "vision", tmp_path / "out", "--duration", "0.6", status=1, logs=True)
+    ends(camera)
+    seen = recorded(tmp_path / "out", "object/estimate")
+    np.testing.assert_allclose(seen[["p_WB_m_0", "p_WB_m_1"]].iloc[:25], drawn, atol=2e-4)
+    assert seen["v_WB_m_per_s_0"].iloc[1:25].mean() == pytest.approx(0.05, rel=0.05)
+
+
+def test_someone_else_s_planner_with_mujoco_s_roll_outs_pushes_the_box_under_our_servo(tmp_path):
+    pytest.importorskip("mujoco", reason="the package mujoco could not be had")
+    planner = example("--clock", "lockstep", program="mujoco_planner/planner.py")
+    report, _ = run(ROOT / "examples/mujoco_planner/push.yaml", "planner", tmp_path / "out")
+    ends(planner)
+    assert report["result"] == "passed" and report["clients"][0]["problems"] == []
 
 
 def test_the_page_s_planner_is_one_and_what_it_does_wrong_is_named(tmp_path):

@@ -11,6 +11,7 @@ from importlib import resources
 from typing import Any, Deque, Dict, Generic, Iterator, List, NamedTuple, Optional, Tuple, TypeVar, Union
 
 try:
+    from cyclonedds._clayer import ddspy_take
     from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
     from cyclonedds.domain import Domain, DomainParticipant
     from cyclonedds.pub import DataWriter, Publisher
@@ -22,6 +23,7 @@ except ImportError as error:
     raise ImportError("c3rt.client needs the package cyclonedds: pip install './python[dds]' (docs/clients.md)") from error
 
 import c3rt.v2 as types
+from c3rt._core import refusal
 
 from ._errors import NoAnswer
 from ._topics import ROWS
@@ -34,6 +36,8 @@ STRENGTH = 100  # that c3rt's own processes offer
 LOCKSTEP_DEPTH = 256
 EVENT_DEPTH = 16
 SILENCE_NS = 500_000_000  # a leader that is silent for so long may be replaced by one of its strength
+PLAIN_CDR = 1  # little endian, in the second byte of what crosses the network
+ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 SLICE_S = 0.1  # a blocked wait looks at signals this often
 
 
@@ -236,7 +240,7 @@ class _Source(NamedTuple):
 
 
 class Reader(Generic[T]):
-    """The samples of a topic that the rules let in: of its one writer, in its session, in order."""
+    """The samples of a topic that the rules let in: of values that can be, of its one writer, in its session, in order."""
 
     def __init__(self, bus: Bus, name: str, depth: int = 1, address: str = ""):
         if isinstance(depth, bool) or not isinstance(depth, int):
@@ -251,7 +255,7 @@ class Reader(Generic[T]):
             parent = Subscriber(bus.participant, Qos(Policy.Partition([address] if address else list(PROCESSES))))
         self._reader: Optional[DataReader] = DataReader(parent, bus.dds_topic(self.topic),
                                                         reader_qos(self.topic, bus.lockstep, depth))
-        self._condition = ReadCondition(self._reader, SampleState.Any | ViewState.Any | InstanceState.Any)
+        self._condition = ReadCondition(self._reader, ANY)
         self._waitset = WaitSet(bus.participant)
         self._waitset.attach(self._condition)
         keep = max(depth, LOCKSTEP_DEPTH) if bus.lockstep and self.topic.stream >= 0 else depth
@@ -263,6 +267,7 @@ class Reader(Generic[T]):
         self.newest_seq = 0  # of the writer that is obeyed
         self.allowed: Optional[int] = None  # lockstep: no sample with a greater number is given out; None: all are
         self.refused = 0
+        self.refusal = ""  # the newest, of a value: "plan: knot_count is 17, expected 1 to 16"
         bus.entities.append(self)
 
     # ---- for a person
@@ -351,13 +356,14 @@ class Reader(Generic[T]):
         if self._reader is None:
             self._bus.require_open()
             return
-        arrived = self._reader.take(LOCKSTEP_DEPTH)
-        while len(arrived) % LOCKSTEP_DEPTH == 0 and arrived:
-            more = self._reader.take(LOCKSTEP_DEPTH)
-            if not more:
+        fresh: List[Any] = []
+        while True:
+            came = ddspy_take(self._reader._ref, ANY, LOCKSTEP_DEPTH)
+            if isinstance(came, int):
+                raise ConnectionError(f"{self.topic.name}: cannot be read: {DDSException(came)}")
+            fresh += [sample for data, info in came if info.valid_data and (sample := self._sample(data, info)) is not None]
+            if len(came) < LOCKSTEP_DEPTH:
                 break
-            arrived += more
-        fresh = [sample for sample in arrived if getattr(sample, "header", None) is not None]
         # DDS hands out instance by instance: back into the order in which each writer wrote
         fresh.sort(key=lambda sample: (sample.sample_info.publication_handle, sample.header.seq))
         for sample in fresh:
@@ -365,6 +371,23 @@ class Reader(Generic[T]):
                 self._queue.append(sample)
             else:
                 self.refused += 1
+
+    def _sample(self, data: bytes, info: Any) -> Any:
+        """Of its bytes, which are looked at before anything is made of them. @return None: refused"""
+        kind = getattr(types, self.topic.type)
+        if data[1] != PLAIN_CDR:  # the representation that others may choose instead
+            try:
+                data = kind.deserialize(data).serialize()
+            except Exception:  # bytes of no sample: what is raised depends on where they end
+                data = b""
+        why = refusal(self.topic.name, data)
+        if why:
+            self.refused += 1
+            self.refusal = f"{self.topic.name}: {why}"
+            return None
+        sample = kind.deserialize(data)
+        sample.sample_info = info
+        return sample
 
     def _lets_in(self, sample: Any) -> bool:
         header, handle = sample.header, sample.sample_info.publication_handle
