@@ -33,6 +33,7 @@
 #include "cli/plan.hpp"
 #include "cli/record.hpp"
 #include "cli/reproduce/reproduce.hpp"
+#include "cli/ros.hpp"
 #include "cli/run.hpp"
 #include "cli/scenario.hpp"
 #include "cli/service.hpp"
@@ -449,9 +450,9 @@ class CommandLine {
   void add_view() {
     CLI::App* page = command(app_, "view", "What happens, live in a browser",
                              [this] { return cli::view(seat_, view_); });
-    page->add_option("--scenario", view_.scenario,
+    page->add_option("--scenario", view_.shown.scenario,
                      "Whose objects are drawn; default: that of the instance");
-    page->add_option("--set", view_.overrides, "Overrides one key of it: section.key=value")
+    page->add_option("--set", view_.shown.overrides, "Overrides one key of it: section.key=value")
         ->expected(1)
         ->take_all();
     page->add_option("--port", view_.port, "Of the page")
@@ -460,6 +461,22 @@ class CommandLine {
     page->add_option("--host", view_.host, "That it is served to; 0.0.0.0: the whole network")
         ->capture_default_str();
     add_seat(*page, seat_);
+    CLI::App* border =
+        command(app_, "ros", "The border to ROS 2: joint states, tf, poses, markers; goals",
+                [this] { return cli::ros(seat_, ros_); });
+    border->add_option("--scenario", ros_.shown.scenario,
+                       "Whose objects are shown; default: that of the instance");
+    border->add_option("--set", ros_.shown.overrides, "Overrides one key of it: section.key=value")
+        ->expected(1)
+        ->take_all();
+    border->add_option("--ros-domain", ros_.domain, "ROS 2's; default: ROS_DOMAIN_ID, else 0")
+        ->check(cli::whole(0, 230));
+    border->add_option("--frame", ros_.frame, "ROS 2's name of the robot's base frame")
+        ->capture_default_str();
+    border->add_option("--rate", ros_.rate_hz, "Of joint states and tf [Hz]")
+        ->check(cli::number(1.0, 1000.0))
+        ->capture_default_str();
+    add_seat(*border, seat_);
   }
 
   void add_recordings() {
@@ -675,6 +692,7 @@ class CommandLine {
   cli::RecordSettings record_;
   cli::ReportSettings report_;
   cli::ViewSettings view_;
+  cli::RosSettings ros_;
   std::string recording_, export_to_;  // of export
   std::vector<std::string> topics_;
   bool peers_ = false;

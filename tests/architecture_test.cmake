@@ -75,7 +75,7 @@ files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
 files_may("^python/src/(recording|wire_check)[.]" idl)
 files_may("^python/src/emulator[.]" controller/base controller/task controller/impedance idl plant_emulator)
-files_may("^cli/view[.]" controller/scene)
+files_may("^cli/python_program[.]" controller/scene)
 files_may("^cli/in_process[.]" controller/impedance controller/model vision)
 files_may("^cli/object_(add|picture)[.]" controller/mjcf controller/model controller/scene)
 files_may("^cli/inspect(_[a-z]+)?[.]" controller/lcs controller/mjcf controller/model controller/scene)

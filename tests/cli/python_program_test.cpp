@@ -1,4 +1,4 @@
-#include "cli/view.hpp"
+#include "cli/python_program.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -9,11 +9,11 @@ using namespace c3rt::cli;
 namespace {
 
 nlohmann::ordered_json scene_of(const std::string& scenario) {
-  return view_scene(
+  return shown_scene(
       config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/" + scenario + ".yaml"));
 }
 
-TEST_CASE("view: the page is told each object's shape, the tip, the table and the arm") {
+TEST_CASE("shown_scene: a program is told each object's shape, the tip, the table and the arm") {
   const auto ball = scene_of("circle_slow");
   CHECK(ball["scenario"] == "circle_slow");
   REQUIRE(ball["objects"].size() == 1);
@@ -24,7 +24,7 @@ TEST_CASE("view: the page is told each object's shape, the tip, the table and th
   CHECK(ball["urdf"].get<std::string>().find("panda.urdf") != std::string::npos);
 }
 
-TEST_CASE("view: a body of several parts has each of them where it is") {
+TEST_CASE("shown_scene: a body of several parts has each of them where it is") {
   const auto t = scene_of("push_t")["objects"][0]["shape"];
   REQUIRE(t["kind"] == "union");
   REQUIRE(t["parts"].size() == 2);

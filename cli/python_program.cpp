@@ -1,0 +1,129 @@
+#include "cli/python_program.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "cli/lock.hpp"
+#include "cli/matrix_json.hpp"
+#include "cli/paths.hpp"
+#include "cli/program.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kLookTime = 60.0;  // [s]
+/// What asks Python for packages: the package's own import takes seconds.
+std::string looks_for(const std::string& module, const std::vector<std::string>& packages) {
+  std::string names = "'c3rt', '" + module + "'";
+  for (const std::string& package : packages) names += ", '" + package + "'";
+  return "import importlib.util, sys\n"
+         "for name in (" +
+         names +
+         "):\n"
+         "  if importlib.util.find_spec(name) is None:\n"
+         "    print('the package ' + name, end='')\n"
+         "    sys.exit(1)\n";
+}
+
+ordered_json list_of(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+ordered_json json_of(const scene::Shape& shape) {
+  switch (shape.kind) {
+    case scene::ShapeKind::kSphere:
+      return {{"kind", "sphere"}, {"radius", shape.radius}};
+    case scene::ShapeKind::kBox:
+      return {{"kind", "box"}, {"half_sizes", list_of(shape.half_sizes)}};
+    case scene::ShapeKind::kCapsule:
+      return {{"kind", "capsule"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
+    case scene::ShapeKind::kCylinder:
+      return {{"kind", "cylinder"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
+    case scene::ShapeKind::kConvexMesh: {
+      ordered_json vertices = ordered_json::array();
+      for (const Eigen::Vector3d& vertex : shape.mesh->vertices())
+        vertices.push_back(list_of(vertex));
+      return {{"kind", "convex_mesh"}, {"vertices", vertices}};
+    }
+    case scene::ShapeKind::kUnion: {
+      ordered_json parts = ordered_json::array();
+      for (const scene::Part& part : shape.parts->parts) {
+        parts.push_back({{"shape", json_of(part.shape)},
+                         {"p_BP", list_of(part.p_BP)},
+                         {"R_BP", rows_of<ordered_json>(part.R_BP)}});
+      }
+      return {{"kind", "union"}, {"parts", parts}};
+    }
+  }
+  return {};
+}
+
+/// The file is gone once the page's program has read it.
+std::string write_scene(const ordered_json& scene) {
+  std::string name = (runtime_directory() / "scene-XXXXXX").string();
+  const int file = mkstemp(name.data());
+  const std::string text = scene.dump();
+  if (file < 0 || write(file, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw UsageError("cannot write " + name + ": " + std::strerror(errno));
+  close(file);
+  return name;
+}
+
+}  // namespace
+
+config::Scenario shown_scenario(const Seat& seat, const ShownScenario& shown) {
+  if (!shown.scenario.empty())
+    return config::load_scenario(scenario_path(shown.scenario).string(), shown.overrides);
+  const auto instance = holder(runtime_directory(), seat.domain);
+  if (!instance) {
+    throw UsageError(fmt::format(
+        "no instance of yours runs on domain {}: of another host name its scenario, --scenario "
+        "circle_slow",
+        seat.domain));
+  }
+  return config::load_scenario(instance->file, instance->overrides);
+}
+
+ordered_json shown_scene(const config::Scenario& scenario) {
+  ordered_json objects = ordered_json::array();
+  for (const plant::ObjectParameters& object : scenario.plant.world.objects)
+    objects.push_back({{"name", object.object.name}, {"shape", json_of(object.object.shape())}});
+  return {{"scenario", scenario.name},
+          {"objects", objects},
+          {"tip_radius_m", scenario.plant.world.end_effector.sphere_radius},
+          {"table_height_m", scenario.plant.world.table_height},
+          {"urdf", scenario.impedance.arm.urdf_path}};
+}
+
+void become_python(const Seat& seat, const std::string& module, const std::string& extra,
+                   const std::vector<std::string>& packages, const ordered_json& scene,
+                   const std::vector<std::string>& arguments) {
+  const char* chosen = std::getenv("C3RT_PYTHON");
+  const std::string python = chosen != nullptr ? chosen : "python3";
+  const ProgramEnd found = run_program({python, "-c", looks_for(module, packages)}, "", kLookTime);
+  if (!found.ok()) {
+    throw UsageError(fmt::format(
+        "{} has not {}: pip install './python[{}]', or name another Python with C3RT_PYTHON",
+        python, found.output.empty() ? "the package c3rt: " + found.reason : found.output, extra));
+  }
+  const auto instance = holder(runtime_directory(), seat.domain);
+  const std::string profile = instance && !instance->profile.empty()
+                                  ? instance->profile
+                                  : dds_profile_path(seat.dds_profile).string();
+  std::vector<std::string> words{
+      python,      "-m",   module, write_scene(scene), "--domain", std::to_string(seat.domain),
+      "--profile", profile};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> raw;
+  for (std::string& word : words) raw.push_back(word.data());
+  raw.push_back(nullptr);
+  execvp(python.c_str(), raw.data());
+  throw UsageError(python + ": " + std::strerror(errno));
+}
+
+}  // namespace c3rt::cli
