@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/paths.hpp"
+
 namespace c3rt::cli {
 namespace {
 
