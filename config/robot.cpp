@@ -20,6 +20,18 @@ Robot::Thresholds read_thresholds(Section section) {
   return thresholds;
 }
 
+Robot::Safety::Motion read_motion(Section section) {
+  constexpr Range kAny{1e-3, 1e9};
+  Robot::Safety::Motion motion;
+  motion.joint_acceleration = section.numbers("joint_acceleration_max_rad_per_s2", 7, kAny);
+  motion.joint_jerk = section.numbers("joint_jerk_max_rad_per_s3", 7, kAny);
+  motion.acceleration = section.number("acceleration_max_m_per_s2", kAny);
+  motion.angular_acceleration = section.number("angular_acceleration_max_rad_per_s2", kAny);
+  motion.jerk = section.number("jerk_max_m_per_s3", kAny);
+  motion.angular_jerk = section.number("angular_jerk_max_rad_per_s3", kAny);
+  return motion;
+}
+
 Robot::Safety read_safety(Section section) {
   Robot::Safety safety;
   safety.velocity_max = section.number("velocity_max_m_per_s", {0.01, 100});
@@ -27,6 +39,7 @@ Robot::Safety read_safety(Section section) {
   safety.power_max = section.number("power_max_w", {1, 1e6});
   safety.tau_sensor_max = section.numbers("tau_sensor_max_nm", 7, {0.1, 1e4});
   safety.clearance_min = section.number("clearance_min_m", {-1, 1});
+  if (section.has("motion")) safety.motion = read_motion(section.section("motion"));
   safety.nominal = read_thresholds(section.section("nominal"));
   safety.acceleration = section.has("acceleration")
                             ? read_thresholds(section.section("acceleration"))

@@ -32,6 +32,13 @@ struct Robot {
     Vector7d tau_sensor_max;      // gravity included [N m]
     double clearance_min;         // between forearm or wrist and base or shoulder [m]
     Thresholds nominal, acceleration;
+    /// Of what motion generators command; none: no limit.
+    struct Motion {
+      Vector7d joint_acceleration, joint_jerk;    // [rad/s^2, rad/s^3]
+      double acceleration, angular_acceleration;  // of the end effector [m/s^2, rad/s^2]
+      double jerk, angular_jerk;                  // [m/s^3, rad/s^3]
+    };
+    std::optional<Motion> motion;
   };
   std::optional<Safety> safety;
   /// Bolted to the flange, everything along its z.

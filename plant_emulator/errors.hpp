@@ -25,27 +25,65 @@ enum class Error : int {
   kPowerLimitViolation,                // the joints gave more power than they may
   kTauJRangeViolation,                 // a torque sensor was out of its range
   kJointMoveInWrongDirection,          // a person guided a joint farther out of its range
+  // what a motion generator commanded, of the joints
+  kJointPositionMotionGeneratorStartPoseInvalid,  // it begins away from the arm
+  kJointMotionGeneratorPositionLimitsViolation,   // out of the joint's range
+  kJointMotionGeneratorVelocityLimitsViolation,
+  kJointMotionGeneratorVelocityDiscontinuity,      // more acceleration than a joint has
+  kJointMotionGeneratorAccelerationDiscontinuity,  // more jerk
+  // of the end effector
+  kCartesianPositionMotionGeneratorStartPoseInvalid,
+  kCartesianPositionMotionGeneratorInvalidFrame,  // no rotation
+  kCartesianMotionGeneratorVelocityLimitsViolation,
+  kCartesianMotionGeneratorVelocityDiscontinuity,
+  kCartesianMotionGeneratorAccelerationDiscontinuity,
+  kCartesianMotionGeneratorElbowLimitViolation,
+  kCartesianMotionGeneratorElbowSignInconsistent,
+  kCartesianMotionGeneratorStartElbowInvalid,
+  // of the joints that this would take
+  kCartesianMotionGeneratorJointPositionLimitsViolation,
+  kCartesianMotionGeneratorJointVelocityLimitsViolation,
+  kCartesianMotionGeneratorJointVelocityDiscontinuity,
+  kCartesianMotionGeneratorJointAccelerationDiscontinuity,
 };
-constexpr int kErrorCount = 14;
+constexpr int kErrorCount = 31;
 
 using Errors = std::uint64_t;
 
 constexpr Errors bit(Error error) noexcept { return Errors{1} << static_cast<int>(error); }
 
-constexpr std::array<const char*, kErrorCount> kErrorNames{"joint_position_limits_violation",
-                                                           "joint_velocity_violation",
-                                                           "communication_constraints_violation",
-                                                           "command_not_finite",
-                                                           "instability_detected",
-                                                           "cartesian_position_limits_violation",
-                                                           "self_collision_avoidance_violation",
-                                                           "cartesian_velocity_violation",
-                                                           "joint_reflex",
-                                                           "cartesian_reflex",
-                                                           "controller_torque_discontinuity",
-                                                           "power_limit_violation",
-                                                           "tau_j_range_violation",
-                                                           "joint_move_in_wrong_direction"};
+constexpr std::array<const char*, kErrorCount> kErrorNames{
+    "joint_position_limits_violation",
+    "joint_velocity_violation",
+    "communication_constraints_violation",
+    "command_not_finite",
+    "instability_detected",
+    "cartesian_position_limits_violation",
+    "self_collision_avoidance_violation",
+    "cartesian_velocity_violation",
+    "joint_reflex",
+    "cartesian_reflex",
+    "controller_torque_discontinuity",
+    "power_limit_violation",
+    "tau_j_range_violation",
+    "joint_move_in_wrong_direction",
+    "joint_position_motion_generator_start_pose_invalid",
+    "joint_motion_generator_position_limits_violation",
+    "joint_motion_generator_velocity_limits_violation",
+    "joint_motion_generator_velocity_discontinuity",
+    "joint_motion_generator_acceleration_discontinuity",
+    "cartesian_position_motion_generator_start_pose_invalid",
+    "cartesian_position_motion_generator_invalid_frame",
+    "cartesian_motion_generator_velocity_limits_violation",
+    "cartesian_motion_generator_velocity_discontinuity",
+    "cartesian_motion_generator_acceleration_discontinuity",
+    "cartesian_motion_generator_elbow_limit_violation",
+    "cartesian_motion_generator_elbow_sign_inconsistent",
+    "cartesian_motion_generator_start_elbow_invalid",
+    "cartesian_motion_generator_joint_position_limits_violation",
+    "cartesian_motion_generator_joint_velocity_limits_violation",
+    "cartesian_motion_generator_joint_velocity_discontinuity",
+    "cartesian_motion_generator_joint_acceleration_discontinuity"};
 
 constexpr const char* name(Error error) noexcept {
   return kErrorNames[static_cast<std::size_t>(error)];

@@ -12,15 +12,6 @@ constexpr double kFilter = 0.01;           // time constant of the low-pass; our
 constexpr double kAccelerates = 0.5;       // a joint, filtered; ours [rad/s²]
 constexpr double kSingularDamping = 0.01;  // of the wrench near singular poses; ours [m]
 
-/// Of entry i, if it is larger than the limit's entry i.
-template <typename Values, typename Limits>
-void judge_sizes(Error error, const char* unit, const Values& values, const Limits& limits,
-                 Findings& findings) noexcept {
-  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
-    if (std::abs(values[i]) > limits[i]) findings.add({error, i + 1, values[i], limits[i], unit});
-  }
-}
-
 template <typename Values, typename Limits>
 std::uint32_t above(const Values& values, const Limits& limits) noexcept {
   std::uint32_t bits = 0;
@@ -34,13 +25,8 @@ std::uint32_t above(const Values& values, const Limits& limits) noexcept {
 void judge_limits(const Measured& measured, const Parameters& parameters,
                   Findings& findings) noexcept {
   const JointLimits& limits = parameters.limits;
-  for (int i = 0; i < kJoints; ++i) {
-    const bool below = measured.q[i] < limits.q_min[i];
-    if (below || measured.q[i] > limits.q_max[i]) {
-      findings.add({Error::kJointPositionLimitsViolation, i + 1, measured.q[i],
-                    below ? limits.q_min[i] : limits.q_max[i], "rad"});
-    }
-  }
+  judge_range(Error::kJointPositionLimitsViolation, "rad", measured.q, limits.q_min, limits.q_max,
+              findings);
   judge_sizes(Error::kJointVelocityViolation, "rad/s", measured.dq, limits.dq_max, findings);
   const Safety& safety = parameters.safety;
   judge_sizes(Error::kTauJRangeViolation, "N m", measured.tau_sensor, safety.tau_sensor_max,
@@ -58,13 +44,8 @@ void judge_limits(const Measured& measured, const Parameters& parameters,
     findings.add({Error::kSelfCollisionAvoidanceViolation, 0, measured.clearance,
                   safety.clearance_min, "m"});
   if (!parameters.walls) return;
-  for (int i = 0; i < 3; ++i) {
-    const bool below = measured.p_WE[i] < parameters.walls->min[i];
-    if (below || measured.p_WE[i] > parameters.walls->max[i]) {
-      findings.add({Error::kCartesianPositionLimitsViolation, i + 1, measured.p_WE[i],
-                    below ? parameters.walls->min[i] : parameters.walls->max[i], "m"});
-    }
-  }
+  judge_range(Error::kCartesianPositionLimitsViolation, "m", measured.p_WE, parameters.walls->min,
+              parameters.walls->max, findings);
 }
 
 void judge_contacts(const External& external, const CollisionBehavior& behavior, Contacts& contacts,

@@ -1,6 +1,7 @@
 #pragma once
 // What the robot looks at in every cycle before it moves on: its limits, and what it touches. Pure
 // functions.
+#include <cmath>
 #include <cstdint>
 
 #include "plant_emulator/errors.hpp"
@@ -33,6 +34,26 @@ struct Contacts {
   std::uint32_t joint = 0, cartesian = 0;                      // now
   std::uint32_t joint_collision = 0, cartesian_collision = 0;  // until recovery
 };
+
+/// Finds each entry whose size is above the limit's entry. RT: no heap, no lock, no throw.
+template <typename Values, typename Limits>
+void judge_sizes(Error error, const char* unit, const Values& values, const Limits& limits,
+                 Findings& findings) noexcept {
+  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
+    if (std::abs(values[i]) > limits[i]) findings.add({error, i + 1, values[i], limits[i], unit});
+  }
+}
+
+/// Finds each entry that is out of its range. RT: no heap, no lock, no throw.
+template <typename Values>
+void judge_range(Error error, const char* unit, const Values& values, const Values& least,
+                 const Values& most, Findings& findings) noexcept {
+  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
+    const bool below = values[i] < least[i];
+    if (below || values[i] > most[i])
+      findings.add({error, i + 1, values[i], below ? least[i] : most[i], unit});
+  }
+}
 
 /// Limits of joints, end effector, walls, power, sensors and the arm's own body. RT: no heap, no
 /// lock, no throw.

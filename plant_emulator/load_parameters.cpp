@@ -160,6 +160,11 @@ Safety safety_of(const config::Robot& robot) {
   safety.tau_sensor_max = from.tau_sensor_max;
   safety.clearance_min = from.clearance_min;
   safety.collision = {thresholds(from.acceleration), thresholds(from.nominal)};
+  if (from.motion) {
+    safety.motion = {
+        from.motion->joint_acceleration,   from.motion->joint_jerk, from.motion->acceleration,
+        from.motion->angular_acceleration, from.motion->jerk,       from.motion->angular_jerk};
+  }
   return safety;
 }
 

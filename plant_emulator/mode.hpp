@@ -6,7 +6,7 @@ namespace c3rt::plant {
 
 enum class Mode {
   kIdle,         // holds its position; waits for a command
-  kMove,         // follows commanded torques
+  kMove,         // follows commanded torques, or motions
   kReflex,       // an error stopped it: brakes and holds until recovered
   kUserStopped,  // a person stopped it: brakes and holds until recovered
   kGuiding,      // a person leads it by the hand: it carries its own weight, nothing else
@@ -19,12 +19,13 @@ struct ModeState {
 
 /// What happened in one cycle.
 struct Events {
-  bool command;          // a command that can be applied arrived
-  Errors errors;         // found in this cycle
-  bool stop;             // requested by a person
-  bool recover;          // requested by a person
-  bool guide = false;    // a person takes it by the hand, if it does not move
-  bool release = false;  // and lets go
+  bool command;           // a command that can be applied arrived
+  Errors errors;          // found in this cycle
+  bool stop;              // requested by a person
+  bool recover;           // requested by a person
+  bool guide = false;     // a person takes it by the hand, if it does not move
+  bool release = false;   // and lets go
+  bool finished = false;  // the motion that moved it has come to its end
 };
 
 /// A person's stop comes before everything, an error before motion, and only a person's recovery
@@ -44,6 +45,7 @@ constexpr ModeState next(ModeState now, Events events) noexcept {
     return {now.mode, now.errors | events.errors};
   }
   if (events.errors != 0) return {Mode::kReflex, events.errors};
+  if (events.finished) return {Mode::kIdle, 0};
   return {events.command ? Mode::kMove : now.mode, 0};
 }
 

@@ -11,6 +11,8 @@
 
 namespace c3rt::plant {
 
+constexpr double kCycle = 1e-3;  // of the robot [s]
+
 using Vector7d = Eigen::Matrix<double, kJoints, 1>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
@@ -38,6 +40,16 @@ struct CollisionBehavior {
   Thresholds acceleration, nominal;
 };
 
+/// What a motion generator may command, beside the limits of position and velocity.
+struct MotionLimits {
+  Vector7d joint_acceleration = Vector7d::Constant(kNoLimit);  // [rad/s²]
+  Vector7d joint_jerk = Vector7d::Constant(kNoLimit);          // [rad/s³]
+  double acceleration = kNoLimit;                              // of the end effector [m/s²]
+  double angular_acceleration = kNoLimit;                      // [rad/s²]
+  double jerk = kNoLimit;                                      // [m/s³]
+  double angular_jerk = kNoLimit;                              // [rad/s³]
+};
+
 /// Limits of the end effector, of the whole arm and of contact; without a number there is none.
 struct Safety {
   double velocity_max = kNoLimit;                          // of the end effector [m/s]
@@ -46,6 +58,7 @@ struct Safety {
   Vector7d tau_sensor_max = Vector7d::Constant(kNoLimit);  // gravity included [N m]
   double clearance_min = -kNoLimit;  // between forearm or wrist and base or shoulder [m]
   CollisionBehavior collision;
+  MotionLimits motion;
 };
 
 /// The end effector shall stay within; ours are boxes.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,10 @@ const Vector7d kHoldStiffness =
 constexpr double kRestVelocity = 0.02;                            // [rad/s]
 constexpr double kGuideDamping = 0.2;  // of the brake's, while a person leads the arm
 
+// How fast the robot's own controller makes good what a motion is ahead of the arm; ours, for
+// joints 1 to 4 about as stiff as libfranka's joint impedance of 3000 N m/rad.
+constexpr double kFollow = 60.0;  // [rad/s]
+
 constexpr double kLedOutwards = 0.05;  // a joint that shakes in a hand is not led [rad/s]
 
 /// How much of the brake is engaged.
@@ -31,6 +36,36 @@ constexpr int kShoulder = 2, kForearm = 5;
 // lets go when the end effector is this close to touching.
 constexpr double kHandDamping = 1000.0;  // of all six degrees of freedom [N s/m, N m s/rad]
 constexpr double kTouch = 5e-4;          // [m]
+
+/// Of the arm in a world of its own: nothing of the simulation is touched.
+class ArmKinematics final : public Kinematics {
+ public:
+  ArmKinematics(const mjModel& model, int site)
+      : model_(model),
+        data_(mj_makeData(&model)),
+        site_(site),
+        linear_(3, model.nv),
+        angular_(3, model.nv) {}
+  Reach at(const Vector7d& q) noexcept override {
+    Eigen::Map<Vector7d>(data_->qpos) = q;
+    mj_kinematics(&model_, data_.get());
+    mj_comPos(&model_, data_.get());
+    mj_jacSite(&model_, data_.get(), linear_.data(), angular_.data(), site_);
+    using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    Reach reach;
+    reach.p_WE = Eigen::Map<const Eigen::Vector3d>(data_->site_xpos + 3 * site_);
+    reach.q_WE = Eigen::Quaterniond(
+        Eigen::Matrix3d(Eigen::Map<const Rotation>(data_->site_xmat + 9 * site_)));
+    reach.J_WE << linear_.leftCols<kJoints>(), angular_.leftCols<kJoints>();
+    return reach;
+  }
+
+ private:
+  const mjModel& model_;
+  Data data_;
+  int site_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> linear_, angular_;
+};
 
 }  // namespace
 
@@ -49,6 +84,7 @@ Plant::Plant(const Parameters& parameters)
       turning_jacobian_(3, model_->nv),
       velocity_change_(Eigen::VectorXd::Zero(model_->nv)),
       inertia_torque_(Eigen::VectorXd::Zero(model_->nv)),
+      kinematics_(std::make_unique<ArmKinematics>(*model_, site_)),
       hold_q_(parameters.initial_q) {
   if (!divides_cycle(parameters.world.step))
     throw std::invalid_argument("plant: step must divide 0.001 s");
@@ -78,7 +114,7 @@ Plant::Plant(const Parameters& parameters)
 }
 
 void Plant::set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t state_ns) noexcept {
-  if (state_.time < drop_until_ || seq == newest_seq_) return;
+  if (by_motion_ || state_.time < drop_until_ || seq == newest_seq_) return;
   newest_seq_ = seq;
   for (int i = 0; i < kJoints; ++i) {
     if (!std::isfinite(tau[i]))
@@ -88,6 +124,24 @@ void Plant::set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t sta
   command_ = tau;
   newest_state_ns_ = state_ns;
   events_.command = true;
+}
+
+bool Plant::set_motion(const MotionCommand& motion, std::uint64_t seq) noexcept {
+  const bool begins = !by_motion_ && mode_.mode == Mode::kIdle && !events_.command;
+  const bool goes_on = by_motion_ && motion.kind == generator_.kind();
+  if (!begins && !goes_on) return false;
+  if (state_.time < drop_until_ || seq == newest_motion_seq_) return true;
+  newest_motion_seq_ = seq;
+  if (!is_finite(motion)) {
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    find({Error::kCommandNotFinite, 0, kNan, 0.0, "of a motion"});
+    return true;
+  }
+  if (begins) generator_.begin(motion.kind, state_.q, *kinematics_);
+  by_motion_ = true;
+  motion_ = motion;
+  events_.command = true;
+  return true;
 }
 
 void Plant::push(int index, const Eigen::Vector3d& impulse) noexcept {
@@ -179,19 +233,30 @@ Measured Plant::measured() const noexcept {
   return measured;
 }
 
+void Plant::note(const Findings& findings) noexcept {
+  if (findings.errors == 0) return;
+  if (events_.errors == 0) found_ = findings.first;
+  events_.errors |= findings.errors;
+}
+
+void Plant::follow_motion() noexcept {
+  Findings findings;
+  generator_.step(events_.command ? &motion_ : nullptr, parameters_, *kinematics_, findings);
+  events_.finished = events_.command && motion_.last;
+  note(findings);
+}
+
 void Plant::judge() noexcept {
   Findings findings;
   judge_limits(measured(), parameters_, findings);
   judge_contacts(state_.external, parameters_.safety.collision, state_.contacts, findings);
-  if (parameters_.torque_jump_stops && events_.command)
+  if (parameters_.torque_jump_stops && events_.command && !by_motion_)
     judge_torque_step(state_.tau, command_, parameters_.limits.tau_rate_max, kCycle, findings);
   if (!events_.command && lost_in_a_row_ + 1 >= kLostCommandsMax)
     findings.add({Error::kCommunicationConstraintsViolation, 0,
                   static_cast<double>(lost_in_a_row_ + 1), static_cast<double>(kLostCommandsMax),
                   "commands lost in a row"});
-  if (findings.errors == 0) return;
-  if (events_.errors == 0) found_ = findings.first;
-  events_.errors |= findings.errors;
+  note(findings);
 }
 
 void Plant::judge_guiding() noexcept {
@@ -230,6 +295,7 @@ void Plant::enter(ModeState next_mode) noexcept {
     received_.reset();
     window_ = window_at_ = lost_in_a_row_ = 0;
   }
+  if (next_mode.mode != Mode::kMove) by_motion_ = false;
   const bool stopped_now = mode_.errors == 0 || mode_.mode == Mode::kGuiding;
   if (stopped_now && next_mode.mode == Mode::kReflex && events_.errors != 0) state_.cause = found_;
   if (next_mode.errors == 0) {
@@ -240,6 +306,7 @@ void Plant::enter(ModeState next_mode) noexcept {
 }
 
 void Plant::step_1ms() noexcept {
+  if (by_motion_) follow_motion();
   if (mode_.mode == Mode::kMove) judge();
   if (mode_.mode == Mode::kGuiding) judge_guiding();
   events_.recover = commands_are_back() || events_.recover;
@@ -251,11 +318,11 @@ void Plant::step_1ms() noexcept {
   Vector7d tau;
   if (mode_.mode == Mode::kMove) {
     count_command(command);
-    if (command) {
+    if (command && !by_motion_) {
       state_.command_seq = newest_seq_;
       state_.command_state_ns = newest_state_ns_;
     }
-    tau = command_torque();
+    tau = by_motion_ ? motion_torque() : command_torque();
   } else {
     window_ = 0;
     received_.reset();
@@ -293,11 +360,24 @@ void Plant::estimate_external(const Vector7d& dq_before, const Vector7d& tau) no
   mj_jacSite(model_.get(), data_.get(), jacobian_.data(), turning_jacobian_.data(), site_);
   J_WE_ << jacobian_.leftCols<kJoints>(), turning_jacobian_.leftCols<kJoints>();
   const Vector7d acceleration = (state_.dq - dq_before) / kCycle;
+  const Vector7d residual = torque_of(acceleration) - tau;
+  state_.external = estimator_.step(residual, acceleration, J_WE_, state_.q_WE, kCycle);
+}
+
+Vector7d Plant::torque_of(const Vector7d& acceleration) noexcept {
   velocity_change_.head<kJoints>() = acceleration;
   mj_mulM(model_.get(), data_.get(), inertia_torque_.data(), velocity_change_.data());
   const Eigen::Map<const Vector7d> bias(data_->qfrc_bias), passive(data_->qfrc_passive);
-  const Vector7d residual = inertia_torque_.head<kJoints>() + bias - gravity_ - passive - tau;
-  state_.external = estimator_.step(residual, acceleration, J_WE_, state_.q_WE, kCycle);
+  return inertia_torque_.head<kJoints>() + bias - gravity_ - passive;
+}
+
+Vector7d Plant::motion_torque() noexcept {
+  // the arm is where the command before this one led: this one is of the cycle's end
+  const Vector7d& ddq = generator_.ddq();
+  const Vector7d dq = generator_.dq() - kCycle * ddq, q = generator_.q() - kCycle * generator_.dq();
+  const Vector7d off = q - state_.q, slow = dq - state_.dq;
+  command_ = torque_of(ddq + kFollow * kFollow * off + 2.0 * kFollow * slow);
+  return command_torque();
 }
 
 Vector7d Plant::command_torque() noexcept {

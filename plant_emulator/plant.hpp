@@ -1,8 +1,10 @@
 #pragma once
-// The robot's 1 kHz torque interface on the simulated scene. No network, no clock, no files.
+// The robot's 1 kHz interface, of torques or of motions, on the simulated scene. No network, no
+// clock, no files.
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,11 +13,11 @@
 #include "controller/scene/scene.hpp"
 #include "plant_emulator/guard.hpp"
 #include "plant_emulator/mode.hpp"
+#include "plant_emulator/motion.hpp"
 #include "plant_emulator/parameters.hpp"
 
 namespace c3rt::plant {
 
-constexpr double kCycle = 1e-3;          // [s]
 constexpr int kLostCommandsMax = 20;     // in a row, then the robot stops
 constexpr int kCommandsToRecover = 200;  // two of three have come, then it moves again by itself
 constexpr int kSuccessWindow = 100;      // cycles of command_success_rate
@@ -56,6 +58,13 @@ class Plant {
   /// @param tau without gravity: the robot adds the torque that carries its own weight [N m]
   /// @param state_ns stamp of the state that the command answers
   void set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t state_ns) noexcept;
+  /// What a motion generator wants of the next cycle, which the robot's own controller follows. The
+  /// first that comes while the robot is idle takes it; then torques do not move it until the last
+  /// one has come. One that is lost is extrapolated with constant acceleration. RT: no heap, no
+  /// throw.
+  /// @return false, and nothing is changed: something else moves the robot, or it has to be
+  /// recovered
+  [[nodiscard]] bool set_motion(const MotionCommand& motion, std::uint64_t seq) noexcept;
   void request_stop() noexcept { events_.stop = true; }
   void request_recovery() noexcept { events_.recover = true; }
   /// A person takes the arm by the hand, which it obeys unless it moves, or lets go of it.
@@ -76,6 +85,11 @@ class Plant {
            mode_.errors == bit(Error::kCommunicationConstraintsViolation);
   }
 
+  /// What moves the robot is a motion generator, not torques.
+  bool moved_by_motion() const noexcept { return by_motion_; }
+  /// What that one has led to so far.
+  const MotionGenerator& motion() const noexcept { return generator_; }
+
   /// Pushes an object at its centre of mass during the next cycle. RT: no heap, no throw.
   void push(int index, const Eigen::Vector3d& impulse) noexcept;  // [N s], in W
   /// A hand, or whatever is in the way, acts on the end effector's centre for a while. RT: no heap,
@@ -90,6 +104,8 @@ class Plant {
  private:
   Measured measured() const noexcept;
   void judge() noexcept;
+  void follow_motion() noexcept;
+  void note(const Findings& findings) noexcept;
   void judge_guiding() noexcept;
   void find(const Cause& cause) noexcept;
   double clearance() const noexcept;
@@ -97,6 +113,8 @@ class Plant {
   void apply_pull() noexcept;
   void estimate_external(const Vector7d& dq_before, const Vector7d& tau) noexcept;
   Vector7d command_torque() noexcept;
+  Vector7d motion_torque() noexcept;
+  Vector7d torque_of(const Vector7d& acceleration) noexcept;  // without gravity [N m]
   Vector7d brake_torque() noexcept;
   Vector7d gravity_torque() noexcept;
   void count_command(bool received) noexcept;
@@ -119,6 +137,7 @@ class Plant {
   Eigen::VectorXd velocity_change_, inertia_torque_;  // of every degree of freedom
   Vector7d gravity_;                                  // that carries the arm where it is [N m]
   ExternalEstimator estimator_;
+  std::unique_ptr<Kinematics> kinematics_;
   std::vector<int> near_, far_;  // geoms of base and shoulder; of forearm, wrist and end effector
 
   ModeState mode_{Mode::kIdle, 0};
@@ -127,6 +146,10 @@ class Plant {
   Vector7d command_ = Vector7d::Zero();  // newest accepted
   std::uint64_t newest_seq_ = 0;
   std::int64_t newest_state_ns_ = 0;
+  bool by_motion_ = false;
+  MotionCommand motion_;  // newest accepted
+  std::uint64_t newest_motion_seq_ = 0;
+  MotionGenerator generator_;
   int lost_in_a_row_ = 0;
   int back_ = 0, missing_ = 0;  // commands since they came again after a reflex
   std::bitset<kSuccessWindow> received_;
