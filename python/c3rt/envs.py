@@ -84,7 +84,7 @@ class ScenarioEnv(gymnasium.Env[Observation, Array]):
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Observation, Dict[str, Any]]:
         """Begins as `c3rt run --seed SEED`; without a seed, as with one that is drawn."""
         super().reset(seed=seed)
-        self._emulator.begin(int(self.np_random.integers(1, 2**31)) if seed is None else seed)
+        self._emulator.begin(int(self.np_random.integers(1, 2**31)) if seed is None else int(seed) % 2**64)
         self._asked = self._emulator.effector[:3]
         return self._observation(), self._info()
 

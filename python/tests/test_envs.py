@@ -63,6 +63,7 @@ def test_without_a_seed_each_episode_begins_elsewhere_and_a_seed_repeats_them_al
     assert (starts[1] != starts[2]).any()
     for first, second in zip(starts[:3], starts[3:]):
         assert (first == second).all()
+    assert (env.reset(seed=2**64 + 1)[0]["objects"] == starts[0]).all()  # a run's seed has 64 bits
 
 
 @pytest.mark.skipif("C3RT_PROGRAM" not in os.environ, reason="C3RT_PROGRAM names no c3rt that could run")
