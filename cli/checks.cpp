@@ -146,6 +146,21 @@ CLI::Validator number(double min, double max) {
       fmt::format("{:g} to {:g}", min, max));
 }
 
+CLI::Validator number_or(double min, double max, const std::string& word, double of_word) {
+  const CLI::Validator is_number = number(min, max);
+  return CLI::Validator(
+      [=](std::string& input) {
+        double value = 0.0;
+        if (input == word) input = fmt::format("{}", of_word);
+        if (parse(input, value) && value == of_word) return std::string();
+        std::string wrong = is_number(input);
+        if (!wrong.empty())
+          wrong.insert(wrong.find(", got"), fmt::format(", {:g} or {}", of_word, word));
+        return wrong;
+      },
+      fmt::format("{:g} to {:g}, {}", min, max, word));
+}
+
 CLI::Validator duration(double min_s, double max_s) {
   const std::string expected =
       fmt::format("a time from {:g} s to {:g} h, as 90s, 15m, 24h", min_s, max_s / 3600.0);

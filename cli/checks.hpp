@@ -13,6 +13,8 @@ CLI::Validator whole(long long min, long long max);
 CLI::Validator whole_or(long long min, long long max, const std::string& word);
 /// A finite number from min to max.
 CLI::Validator number(double min, double max);
+/// The same; or this word, of which the option gets the value, and the value itself.
+CLI::Validator number_or(double min, double max, const std::string& word, double of_word);
 /// A length of time: 90, 90s, 15m, 24h or 2d; the option gets it in seconds.
 CLI::Validator duration(double min_s, double max_s);
 /// One of these words; the error suggests the nearest.

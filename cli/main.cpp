@@ -32,6 +32,7 @@
 #include "cli/paths.hpp"
 #include "cli/plan.hpp"
 #include "cli/record.hpp"
+#include "cli/replay/replay.hpp"
 #include "cli/reproduce/reproduce.hpp"
 #include "cli/ros.hpp"
 #include "cli/run.hpp"
@@ -510,6 +511,7 @@ class CommandLine {
     report->add_option("--out", report_.out,
                        "Folder for report.json and the pictures; default: none");
 
+    add_replay();
     CLI::App* tables =
         command(app_, "export", "The samples of a recording as one CSV file a topic",
                 [this] { return cli::export_recording(recording_, topics_, export_to_); });
@@ -517,6 +519,46 @@ class CommandLine {
         ->required();
     tables->add_option("--topics", topics_, "Of these alone: robot/state,plan")->delimiter(',');
     tables->add_option("--out", export_to_, "Folder; default: FILE_csv beside the file");
+  }
+
+  void add_replay() {
+    CLI::App* replay = command(
+        app_, "replay", "A recording for live processes, or beside the answers of a fresh one",
+        [this] { return cli::replay::run(seat_, replay_); });
+    replay->add_option("file", replay_.file, "run.mcap of a run, or what c3rt record wrote")
+        ->required();
+    CLI::Option* topics =
+        replay
+            ->add_option("--topics", replay_.topics,
+                         "Of these alone: robot/state,plan; default: all that nobody else writes, "
+                         "but requests and faults")
+            ->delimiter(',');
+    CLI::Option* rate =
+        replay->add_option("--rate", replay_.rate, "2: twice as fast; max or 0: as fast as it goes")
+            ->transform(cli::number_or(0.01, 1000.0, "max", 0.0))
+            ->capture_default_str();
+    CLI::Option* compare =
+        replay
+            ->add_option("--compare", replay_.compare,
+                         "Gives a fresh planner, vision or impedance its recorded input, in this "
+                         "process, and compares the answers")
+            ->check(cli::one_of({"planner", "vision", "impedance"}))
+            ->excludes(topics)
+            ->excludes(rate);
+    add_seat(*replay, seat_);
+    for (const char* of_a_bus : {"--domain", "--profile"})
+      compare->excludes(replay->get_option(of_a_bus));
+    replay
+        ->add_option("--scenario", replay_.scenario,
+                     "Of the fresh one; default: that which the recording tells")
+        ->needs(compare);
+    replay->add_option("--set", replay_.overrides, "Overrides one key of it: section.key=value")
+        ->expected(1)
+        ->take_all()
+        ->needs(compare);
+    replay->add_option("--seed", replay_.seed, "Of the fresh one; default: that of the recording")
+        ->check(cli::whole(0, std::numeric_limits<long long>::max()))
+        ->needs(compare);
   }
 
   void add_campaign() {
@@ -691,6 +733,7 @@ class CommandLine {
   cli::LookSettings look_;
   cli::RecordSettings record_;
   cli::ReportSettings report_;
+  cli::replay::Settings replay_;
   cli::ViewSettings view_;
   cli::RosSettings ros_;
   std::string recording_, export_to_;  // of export

@@ -43,6 +43,12 @@ std::string owner_of(int pid) {
   return user != nullptr ? user->pw_name : std::to_string(process.st_uid);
 }
 
+Neighbour neighbour_of(const wire::PeerEndpoint& peer) {
+  Neighbour neighbour{peer.process, peer.host, "", peer.pid};
+  if (is_here(neighbour)) neighbour.user = owner_of(peer.pid);
+  return neighbour;
+}
+
 std::vector<Neighbour> look(const wire::Bus& bus) {
   std::vector<Neighbour> all;
   for (const wire::PeerEndpoint& peer : wire::peer_endpoints(bus)) {
@@ -53,10 +59,8 @@ std::vector<Neighbour> look(const wire::Bus& bus) {
       return neighbour.pid == peer.pid && neighbour.host == peer.host;
     });
     if (!counts || known) continue;
-    Neighbour neighbour{peer.process, peer.host, "", peer.pid};
-    if (!lives(neighbour)) continue;
-    if (is_here(neighbour)) neighbour.user = owner_of(peer.pid);
-    all.push_back(neighbour);
+    const Neighbour neighbour = neighbour_of(peer);
+    if (lives(neighbour)) all.push_back(neighbour);
   }
   return all;
 }
@@ -72,6 +76,16 @@ std::string Neighbour::text() const {
   if (!host.empty() && !is_here(*this)) add("on " + config::printable(host));
   const std::string name = process.empty() ? "another program" : config::printable(process);
   return inside.empty() ? name : name + " (" + inside + ")";
+}
+
+std::map<std::string, Neighbour> writers(const wire::Bus& bus) {
+  std::map<std::string, Neighbour> all;
+  for (const wire::PeerEndpoint& peer : wire::peer_endpoints(bus)) {
+    if (!peer.is_writer || all.count(peer.topic) > 0) continue;
+    const Neighbour neighbour = neighbour_of(peer);
+    if (lives(neighbour)) all[peer.topic] = neighbour;
+  }
+  return all;
 }
 
 std::vector<Neighbour> neighbours(const wire::Bus& bus, double seconds) {

@@ -1,6 +1,7 @@
 #pragma once
 // Instances that our own locks know nothing of: another user's, another XDG_RUNTIME_DIR's, another
 // host's, or processes started by hand. Seen on the bus.
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct Neighbour {
   /// "c3rt-plant (pid 12, user ada)", with the host where that is another one
   std::string text() const;
 };
+
+/// Who writes each topic now, as far as discovery knows: one that lives, or is on another host.
+std::map<std::string, Neighbour> writers(const wire::Bus& bus);
 
 /// Listens until one is known for certain to live, or for `seconds`: what has died is not told.
 std::vector<Neighbour> neighbours(const wire::Bus& bus, double seconds);

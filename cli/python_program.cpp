@@ -80,10 +80,10 @@ config::Scenario shown_scenario(const Seat& seat, const ShownScenario& shown) {
   if (!shown.scenario.empty())
     return config::load_scenario(scenario_path(shown.scenario).string(), shown.overrides);
   const auto instance = holder(runtime_directory(), seat.domain);
-  if (!instance) {
+  if (!instance || instance->file.empty()) {
     throw UsageError(fmt::format(
-        "no instance of yours runs on domain {}: of another host name its scenario, --scenario "
-        "circle_slow",
+        "no instance of yours on domain {} tells its scenario: name it, as that of another host, "
+        "--scenario circle_slow",
         seat.domain));
   }
   return config::load_scenario(instance->file, instance->overrides);

@@ -15,15 +15,13 @@
 #include "cli/look.hpp"
 #include "cli/paths.hpp"
 #include "cli/progress.hpp"
+#include "cli/recorded.hpp"
 #include "cli/recording/export.hpp"
 #include "cli/recording/recording.hpp"
 #include "cli/recording/samples.hpp"
 #include "cli/recording/taken_topics.hpp"
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"
-#include "config/extends.hpp"
-#include "config/section.hpp"
-#include "config/show.hpp"
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
@@ -50,16 +48,6 @@ std::string counted(const Recording& recording, std::uint64_t lost) {
                      static_cast<double>(recording.bytes()) / kMebibyte, lost);
 }
 
-/// What is wrong with a recording.
-void tell_of(const Contents& contents, const std::string& file) {
-  if (!contents.ending.whole)
-    fmt::print(stderr, "c3rt: {}: {}; what came before is used\n", file, contents.ending.why);
-  for (const auto& [topic, count] : contents.refused)
-    fmt::print(stderr, "c3rt: {}: {} messages of {} are no samples\n", file, count, topic);
-  for (const auto& [topic, why] : contents.other)
-    fmt::print(stderr, "c3rt: {}: {} is left out: {}\n", file, topic, why);
-}
-
 /// Keeps what the report needs.
 class Keeping final : public Listener {
  public:
@@ -69,37 +57,6 @@ class Keeping final : public Listener {
 #undef C3RT_TOPIC
   Samples samples;
 };
-
-std::string text_of(const Contents& contents, const char* metadata, const char* key) {
-  const auto texts = contents.metadata.find(metadata);
-  if (texts == contents.metadata.end()) return "";
-  const auto value = texts->second.find(key);
-  return value == texts->second.end() ? "" : value->second;
-}
-
-std::uint64_t seed_of(const Contents& contents) {
-  const std::string text = text_of(contents, kRunMetadata, "seed");
-  const bool number =
-      !text.empty() && text.size() < 20 &&
-      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  return number ? std::stoull(text) : 1;
-}
-
-config::Scenario scenario_of(const ReportSettings& settings, const Contents& contents) {
-  if (!settings.scenario.empty()) {
-    return config::load_scenario(scenario_path(settings.scenario).string(), settings.overrides);
-  }
-  const auto text = contents.attachments.find(kScenarioAttachment);
-  if (text == contents.attachments.end()) {
-    throw UsageError(settings.file +
-                     " does not tell its scenario (no attachment scenario.yaml): name it with "
-                     "--scenario");
-  }
-  // what it names beside it (an object's model) is found from where it was
-  const std::string file = text_of(contents, kRunMetadata, "file");
-  return config::read_scenario(config::Document::parse(
-      text->second, file.empty() ? settings.file : file, settings.overrides));
-}
 
 /// What clients did wrong that played a process stands in the run's own report alone.
 void keep_clients(const Contents& contents, nlohmann::ordered_json& report) {
@@ -115,16 +72,6 @@ bool ends_in_reflex(const Series& series) {
 
 }  // namespace
 
-void tell(Recording& recording, const Recorded& of) {
-  recording.add_metadata(kRunMetadata, {{"scenario", of.scenario},
-                                        {"file", of.file},
-                                        {"seed", std::to_string(of.seed)},
-                                        {"clock", of.clock}});
-  recording.attach(
-      kScenarioAttachment, "application/yaml",
-      config::show(config::load_composed(of.file, of.overrides), config::Comments::kNone));
-}
-
 int record(const Seat& seat, const RecordSettings& settings) {
   const fs::path file = settings.file;
   if (fs::exists(file)) throw UsageError(file.string() + " is there already");
@@ -135,7 +82,8 @@ int record(const Seat& seat, const RecordSettings& settings) {
   } catch (const mcap::Error& error) {
     throw UsageError(error.what());
   }
-  if (const auto instance = holder(runtime_directory(), seat.domain)) {
+  const auto instance = holder(runtime_directory(), seat.domain);
+  if (instance && !instance->file.empty()) {
     tell(*recording, {instance->scenario, instance->file, instance->overrides, instance->seed,
                       instance->clock});
   }
@@ -177,7 +125,8 @@ int report_recording(const ReportSettings& settings) {
     throw UsageError(error.what());
   }
   tell_of(contents, settings.file);
-  const config::Scenario scenario = scenario_of(settings, contents);
+  const config::Scenario scenario =
+      scenario_of(contents, settings.file, settings.scenario, settings.overrides);
   const std::uint64_t seed = settings.seed ? *settings.seed : seed_of(contents);
   Report report = judge(keeping.samples, scenario, seed);
   report.clock = text_of(contents, kRunMetadata, "clock");

@@ -6,19 +6,8 @@
 #include <vector>
 
 #include "cli/client.hpp"
-#include "cli/recording/recording.hpp"
 
 namespace c3rt::cli {
-
-/// What a recording is of, told at its beginning, so that one that is cut off tells it, too.
-struct Recorded {
-  std::string scenario;                // name
-  std::string file;                    // of the scenario, from where what it names is found
-  std::vector<std::string> overrides;  // of it
-  std::uint64_t seed = 0;
-  std::string clock;  // "realtime", "lockstep"
-};
-void tell(Recording& recording, const Recorded& of);
 
 struct RecordSettings {
   std::string file;

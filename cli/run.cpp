@@ -12,7 +12,7 @@
 #include "cli/judge.hpp"
 #include "cli/log_rotation.hpp"
 #include "cli/paths.hpp"
-#include "cli/record.hpp"
+#include "cli/recorded.hpp"
 #include "cli/recorder.hpp"
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"

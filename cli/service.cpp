@@ -190,9 +190,9 @@ int status(const Seat& seat) {
   const bool any =
       std::any_of(services.begin(), services.end(), [](const auto& s) { return s.has_value(); });
   if (instance) {
-    fmt::print("domain {}: c3rt {} {} ({}, pid {}, since {}), results in {}\n", seat.domain,
-               instance->verb, instance->scenario, instance->clock, instance->pid,
-               instance->started, instance->out);
+    fmt::print("domain {}: c3rt {} {} ({}, pid {}, since {}){}\n", seat.domain, instance->verb,
+               instance->scenario, instance->clock, instance->pid, instance->started,
+               instance->out.empty() ? "" : ", results in " + instance->out);
     for (const std::string& note : instance->notes) fmt::print("  {}\n", note);
   } else if (any) {
     fmt::print("{}\n", not_yours(seat, neighbours(bus, kLookForNeighbours)));

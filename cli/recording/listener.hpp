@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+
 #include "idl/topics.hpp"
 
 namespace c3rt::cli {
@@ -12,6 +14,15 @@ class Listener {
   virtual void hear(const wire::Type&) {}
   C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
+  /// Of a recording the rest is not read.
+  virtual bool has_enough() const { return false; }
+};
+
+/// Hears a recording in the order of time (in_order.hpp).
+class TimedListener : public Listener {
+ public:
+  /// Before each sample: when it is heard. It never goes back.
+  virtual void at(std::int64_t time_ns) = 0;
 };
 
 }  // namespace c3rt::cli

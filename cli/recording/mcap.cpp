@@ -451,6 +451,7 @@ class Reading {
         if (content.size() < size) return {false, "it is cut off"};
         if (opcode == kDataEnd || opcode == kFooter) return {true, ""};
         record(opcode, content, false);
+        if (listener_.has_enough()) return {true, ""};
       }
     } catch (const Damaged& damaged) {
       return {false, damaged.what()};
@@ -550,7 +551,7 @@ class Reading {
     }
     if (crc != 0 && crc != crc_of(records)) throw Damaged("a chunk's checksum is wrong");
     Parts inside(records);
-    while (!inside.rest().empty()) {
+    while (!inside.rest().empty() && !listener_.has_enough()) {
       const auto opcode = inside.number<std::uint8_t>();
       record(opcode, inside.raw(inside.number<std::uint64_t>()), true);
     }

@@ -91,6 +91,8 @@ class Listener {
   virtual void hear(const Message&) {}  // its channel came before it
   virtual void hear(const Attachment&) {}
   virtual void hear(const std::string& /*name*/, const Texts& /*metadata*/) {}
+  /// Asked after each record: the rest is not read.
+  virtual bool has_enough() const { return false; }
 };
 
 /// How a file ended.
@@ -99,8 +101,9 @@ struct Ending {
   std::string why;     // not
 };
 
-/// Reads a file to its end or to where it is cut off or damaged: all before that is heard. It needs
-/// no index. @throws Error if it cannot be opened or does not begin as an MCAP
+/// Reads a file to its end, to where it is cut off or damaged, or until its listener has enough:
+/// all before that is heard. It needs no index. @throws Error if it cannot be opened or does not
+/// begin as an MCAP
 Ending read(const std::filesystem::path& path, Listener& listener);
 /// The same of bytes.
 Ending read_bytes(std::string_view bytes, Listener& listener);

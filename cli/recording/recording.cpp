@@ -64,6 +64,8 @@ class Playing final : public mcap::Listener {
     contents_.metadata[name] = metadata;
   }
 
+  bool has_enough() const override { return listener_.has_enough(); }
+
  private:
   struct Heard {
     std::string topic;

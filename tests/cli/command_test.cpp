@@ -156,6 +156,7 @@ TEST_CASE("every command's help shows at least two examples, all of that command
                                     "topics",
                                     "echo",
                                     "hz",
+                                    "replay",
                                     "soak",
                                     "campaign",
                                     "reproduce",
