@@ -167,14 +167,24 @@ Files::Files(const std::filesystem::path& folder)
       processes_(made(folder / "processes.csv",
                       "time_s,process,pid,memory_bytes,threads,descriptors,log_bytes\n")) {}
 
+/// What there is no room for is counted, and said once.
+void Files::put(std::FILE* file, const std::string& line) {
+  std::clearerr(file);
+  // what is left in its buffer comes with the next line
+  const bool written = std::fputs(line.c_str(), file) >= 0 && std::ferror(file) == 0;
+  if (!written && lost_++ == 0)
+    fmt::print(stderr, "c3rt: no room is left for passes.csv and processes.csv: lines are lost\n");
+}
+
 void Files::add(const Pass& pass) {
-  fmt::print(passes_.get(), "{},{},{:.3f},{},{:d},{:d},{},{}\n", pass.number, pass.seed,
-             pass.duration, pass.loops, pass.whole, pass.met, pass.violations, pass.log_hash);
+  put(passes_.get(),
+      fmt::format("{},{},{:.3f},{},{:d},{:d},{},{}\n", pass.number, pass.seed, pass.duration,
+                  pass.loops, pass.whole, pass.met, pass.violations, pass.log_hash));
 }
 
 void Files::add(double time, const ProcessSample& sample) {
-  fmt::print(processes_.get(), "{:.3f},{},{},{},{},{},{}\n", time, sample.name, sample.pid,
-             sample.memory, sample.threads, sample.descriptors, sample.log);
+  put(processes_.get(), fmt::format("{:.3f},{},{},{},{},{},{}\n", time, sample.name, sample.pid,
+                                    sample.memory, sample.threads, sample.descriptors, sample.log));
   if (sample.pid != 0) memory_[sample.name].add(time, static_cast<double>(sample.memory) / kMiB);
 }
 

@@ -80,6 +80,8 @@ class Files {
   explicit Files(const std::filesystem::path& folder);
   void add(const Pass& pass);
   void add(double time, const invariants::ProcessSample& sample);
+  /// Lines for which there was no room.
+  std::uint64_t lost() const noexcept { return lost_; }
   /// Of each process, memory in MiB over time in s.
   const std::map<std::string, Thinned>& memory() const noexcept { return memory_; }
 
@@ -89,7 +91,9 @@ class Files {
   };
   using File = std::unique_ptr<std::FILE, Close>;
   static File made(const std::filesystem::path& path, const char* head);
+  void put(std::FILE* file, const std::string& line);
   File passes_, processes_;
+  std::uint64_t lost_ = 0;
   std::map<std::string, Thinned> memory_;
 };
 

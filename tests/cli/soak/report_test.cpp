@@ -8,6 +8,7 @@
 
 #include "cli/paths.hpp"
 #include "tests/cli/folder.hpp"
+#include "tests/support/small_disk.hpp"
 
 using namespace c3rt::cli;
 using namespace c3rt::cli::soak;
@@ -86,4 +87,26 @@ TEST_CASE("soak: passes and looks at processes are in files, line by line, while
              Catch::EndsWith("\n60.000,plant,7,4096,0,0,0\n"));
   CHECK(files.memory().at("plant").points().size() == 1);
   CHECK_THROWS_AS(Files(folder.path() / "nowhere"), std::runtime_error);
+}
+
+TEST_CASE("soak: lines that a full disk costs are counted, and others come behind them") {
+  const c3rt::test::SmallDisk disk;
+  if (!disk.mounted()) {
+    WARN("no file system can be mounted here");
+    return;
+  }
+  Files files(disk.path());
+  const auto filler = disk.path() / "filler";
+  std::ofstream(filler) << std::string(std::size_t{1} << 20, 'x');
+  invariants::ProcessSample sample;
+  sample.name = "plant";
+  for (int i = 0; i < 200; ++i) files.add(i, sample);
+  CHECK(files.lost() > 0);
+  std::filesystem::remove(filler);
+  const std::uint64_t lost = files.lost();
+  files.add(1000.0, sample);
+  files.add(1001.0, sample);
+  CHECK(files.lost() == lost);
+  CHECK_THAT(read_text(disk.path() / "processes.csv"),
+             Catch::EndsWith("\n1001.000,plant,0,0,0,0,0\n"));
 }
