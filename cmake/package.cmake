@@ -76,9 +76,9 @@ function(c3rt_export_headers room)
 endfunction()
 
 c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
-c3rt_export(qp HEADERS node_qp.hpp problem.hpp qp.hpp
+c3rt_export(qp HEADERS kernels.hpp node_qp.hpp problem.hpp qp.hpp qp_cost.hpp qp_rows.hpp riccati.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
-c3rt_export(c3 HEADERS consensus.hpp deadline.hpp parallel.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
+c3rt_export(c3 HEADERS consensus.hpp deadline.hpp fixed_modes.hpp parallel.hpp polish.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
   DEPS qp lcs)
 c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 qp lcs)
 c3rt_export(scene HEADERS distance.hpp mechanism.hpp object.hpp scene.hpp shape.hpp)

@@ -220,6 +220,7 @@ ProblemFile read(const Json& json, const std::string& name) {
   settings.delta_starts_at_x0 = params.choice("delta0", {"zero", "x0"}, 0) == 1;
   settings.fix_lambda_0 = params.boolean("fix_lambda0", false);
   settings.max_nodes = params.integer("max_nodes", 1, kMaxNodes, kMaxNodes);
+  settings.polish = params.integer("polish", 0, kMaxIterations, 0);
   settings.project_last = true;  // the result's last iterate is whole, as in the golden files
   settings.trace = top.boolean("trace", false);
   p.big_M = params.number("M", 0.0, kInfinity, 1000.0);

@@ -113,6 +113,13 @@ int Section::integer(const std::string& key, Range allowed) {
   return static_cast<int>(value);
 }
 
+int Section::integer(const std::string& key, Range allowed, int missing) {
+  if (has(key)) return integer(key, allowed);
+  note_missing(node_->key_path(key), "an integer in " + range_text(allowed),
+               std::to_string(missing));
+  return missing;
+}
+
 int Section::choice(const std::string& key, const std::vector<std::string>& names) {
   std::string expected = "one of ";
   for (std::size_t i = 0; i < names.size(); ++i) expected += (i == 0 ? "" : ", ") + names[i];

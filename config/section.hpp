@@ -27,6 +27,8 @@ class Section {
   /// `missing` where the key is not there.
   double number(const std::string& key, Range allowed, double missing);
   int integer(const std::string& key, Range allowed);
+  /// `missing` where the key is not there.
+  int integer(const std::string& key, Range allowed, int missing);
   bool boolean(const std::string& key);
   /// At most 1000 bytes, without control characters.
   std::string text(const std::string& key);

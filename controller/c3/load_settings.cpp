@@ -36,6 +36,7 @@ Settings load_settings(config::Section section) {
       section.given("max_nodes", type.has_nodes, std::string("projection ") + type.key)
           ? section.integer("max_nodes", {1, 1e6})
           : 1;
+  settings.polish = section.integer("polish", {0, 10000}, 0);
   if (section.given("osqp", settings.qp == QpBackend::kOsqp, "qp osqp"))
     settings.osqp = load_osqp(section.section("osqp"));
   return settings;

@@ -55,6 +55,7 @@ void check(const Settings& settings) {
           std::to_string(settings.rho_scale));
   require(settings.max_nodes >= 1, "max_nodes: expected 1 or more",
           std::to_string(settings.max_nodes));
+  require(settings.polish >= 0, "polish: expected 0 or more", std::to_string(settings.polish));
   const ProjectionType& type = projection_type(settings.projection);
   if (type.check_settings != nullptr) type.check_settings(settings);
   if (settings.qp == QpBackend::kOsqp) {
@@ -80,6 +81,8 @@ Solver::Solver(const Sizes& sizes, const Settings& settings, const Parallel& par
   qp_ = make_qp(sizes, settings);
   const int workers = parallel.run == nullptr ? 1 : std::max(1, parallel.workers);
   for (int i = 0; i < workers; ++i) workers_.push_back({make_projection(sizes, settings), nullptr});
+  if (settings.polish > 0 && sizes.n_lambda > 0 && sizes.n_u > 0)
+    polish_ = std::make_unique<Polish>(sizes, settings.polish);
   for (MatrixXd* m : {&delta_, &v_, &solution_.z, &solution_.delta, &solution_.w}) {
     m->setZero(n_copy_, sizes.N);
   }
@@ -109,6 +112,7 @@ void Solver::set_costs(const Costs& costs, const Constraints& constraints) {
   qp_->set_costs(of_qp, constraints);
   for (const Worker& worker : workers_) worker.projection->set_weights(costs);
   consensus_->set_weights(costs);
+  if (polish_ != nullptr) polish_->set_costs(costs, constraints);
   has_costs_ = true;
 }
 
@@ -144,6 +148,11 @@ Failure Solver::refuse(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
     if (!is_finite(lcs[k])) return Failure::kNotFinite;
   }
   if (start == nullptr) return Failure::kNone;
+  if (start->u.size() != 0) {
+    if (start->u.rows() != sizes_.n_u || start->u.cols() != sizes_.N) return Failure::kWrongSize;
+    if (!start->u.allFinite()) return Failure::kNotFinite;
+  }
+  if (start->delta.size() == 0 && start->w.size() == 0) return Failure::kNone;
   for (const MatrixXd* m : {&start->delta, &start->w}) {
     if (m->rows() != n_copy_ || m->cols() != sizes_.N) return Failure::kWrongSize;
     if (!m->allFinite()) return Failure::kNotFinite;
@@ -165,7 +174,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   }
   qp_->start(lcs, consensus_->start(lcs), settings_.fix_lambda_0 ? &lambda_0_ : nullptr);
   for (Worker& worker : workers_) worker.lcs = nullptr;
-  if (start != nullptr) {
+  if (start != nullptr && start->delta.size() != 0) {
     solution_.delta = start->delta;
     solution_.w = start->w;
   } else if (settings_.delta_starts_at_x0) {
@@ -201,10 +210,29 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
     }
   }
   if (solution_.status == SolveStatus::kFailed) return fail(solution_.failure);
+  if (polish_ != nullptr) polish(lcs, x0, x_desired, deadline, start);
   solution_.complementarity_violation = complementarity_violation(lcs);
   const bool finite = solution_.z.allFinite() && solution_.delta.allFinite() &&
                       solution_.w.allFinite() && std::isfinite(solution_.complementarity_violation);
   return finite ? solution_ : fail(Failure::kNotFinite);
+}
+
+void Solver::polish(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
+                    const Eigen::Ref<const MatrixXd>& x_desired, const Deadline& deadline,
+                    const Start* start) noexcept {
+  const int n_x = sizes_.n_x, n_lambda = sizes_.n_lambda, n_u = sizes_.n_u, N = sizes_.N;
+  const auto inputs = z_.bottomRows(n_u);
+  polish_->start(lcs, x0, x_desired, inputs);
+  // what is left of the last plan is mostly the nearest to the optimum
+  if (start != nullptr && start->u.size() != 0) polish_->improve(start->u, deadline);
+  polish_->improve(inputs, deadline);
+  solution_.polish = polish_->report();
+  if (!std::isfinite(solution_.polish.cost)) return;
+  solution_.z.topRows(n_x) = polish_->x().leftCols(N);
+  solution_.z.middleRows(n_x, n_lambda) = polish_->lambda();
+  solution_.z.middleRows(n_x + n_lambda, n_u) = polish_->u();
+  solution_.x_N = polish_->x().col(N);
+  consensus_->append(solution_.z);
 }
 
 Failure Solver::find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const VectorXd>& x0) noexcept {
@@ -312,6 +340,7 @@ void Solver::reset() noexcept {
   solution_.qp = {};
   solution_.projection = {};
   solution_.failed_stage = 0;
+  solution_.polish = {};
 }
 
 const Solution& Solver::fail(Failure failure) noexcept {
@@ -324,10 +353,12 @@ void shift(const Solution& solution, double rho, Start& start) {
   const Eigen::Index N = solution.delta.cols();
   start.delta.resizeLike(solution.delta);
   start.w.resizeLike(solution.w);
+  start.u.resize(solution.sizes.n_u, N);
   for (Eigen::Index k = 0; k < N; ++k) {
     const Eigen::Index next = std::min(k + 1, N - 1);
     start.delta.col(k) = solution.delta.col(next);
     start.w.col(k) = solution.w.col(next) * (solution.rho / rho);
+    start.u.col(k) = solution.sizes.u(solution.z.col(next));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "controller/c3/consensus.hpp"
 #include "controller/c3/deadline.hpp"
 #include "controller/c3/parallel.hpp"
+#include "controller/c3/polish.hpp"
 #include "controller/c3/problem.hpp"
 #include "controller/c3/projection.hpp"
 #include "controller/lcs/lcs.hpp"
@@ -40,6 +41,7 @@ struct Settings {
   bool fix_lambda_0 = false;  // λ_0 = LCP(E x_0 + c, F) in every QP; needs H = 0 at the first stage
   bool trace = false;         // keep every iterate
   AdmmProjectionSettings admm = {};  // used by kAdmm
+  int polish = 0;  // QPs at most that improve the plan after Algorithm 1; 0: none [Polish]
 };
 
 /// Throws std::invalid_argument naming the field and what was expected.
@@ -92,20 +94,23 @@ struct Solution {
   QpReport qp{};                     // of the last QP
   ProjectionReport projection{};     // of the first stage whose projection failed (kProjection)
   int failed_stage = 0;              // that stage
-  std::vector<Iterate> trace;        // (s) the first `iterations` count; empty unless asked for
+  // with Settings::polish; where it has a plan, z and x_N are that plan, its forces complementary
+  PolishReport polish{};
+  std::vector<Iterate> trace;  // (s) the first `iterations` count; empty unless asked for
   Sizes sizes{};
 
   auto u_0() const { return sizes.u(z.col(0)); }
 };
 
-/// Where Algorithm 1 begins, instead of w⁰ = 0 and δ⁰ = 0.
+/// Where Algorithm 1 begins, instead of w⁰ = 0 and δ⁰ = 0, and polish beside Algorithm 1's plan.
 struct Start {
-  Eigen::MatrixXd delta, w;  // (n_copy × N)
+  Eigen::MatrixXd delta, w;  // (n_copy × N), or both empty: as without a start
+  Eigen::MatrixXd u = {};    // (n_u × N) of a plan that is known, as the last one; or empty
 };
 
-/// A start from an earlier solution, one stage on: stage k takes the copy and the dual of k + 1,
-/// the last stage keeps its own. w is rescaled so that the dual ρ w is the same at `rho`. No heap
-/// if `start` has the sizes already.
+/// A start from an earlier solution, one stage on: stage k takes the copy, the dual and the inputs
+/// of k + 1, the last stage keeps its own. w is rescaled so that the dual ρ w is the same at `rho`.
+/// No heap if `start` has the sizes already.
 void shift(const Solution& solution, double rho, Start& start);
 
 /// Consensus complementarity control [C3, Algorithm 1]:
@@ -161,6 +166,9 @@ class Solver {
                       const Start* start) noexcept;
   void reset() noexcept;
   const Solution& fail(Failure failure) noexcept;
+  void polish(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
+              const Eigen::Ref<const Eigen::MatrixXd>& x_desired, const Deadline& deadline,
+              const Start* start) noexcept;
   Failure find_lambda_0(const lcs::Lcs& lcs, const Eigen::Ref<const Eigen::VectorXd>& x0) noexcept;
   /// δ ← projections of z + w; false if the solve cannot go on (see solution_)
   bool project(Horizon lcs, const Deadline& deadline) noexcept;
@@ -176,6 +184,7 @@ class Solver {
   bool has_costs_ = false;
   std::unique_ptr<QpStep> qp_;
   std::vector<Worker> workers_;
+  std::unique_ptr<Polish> polish_;  // none where there is nothing to polish
   lcs::Lemke lemke_;
   Eigen::VectorXd lambda_0_;
   Eigen::MatrixXd z_, g_;  // work: a z or δ is published only when it is complete

@@ -1,5 +1,6 @@
 #include "controller/example/controller.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace c3rt::example {
@@ -16,6 +17,8 @@ c3::Settings solver_settings(const Experiment& experiment) {
 
 C3Controller::C3Controller(const Experiment& experiment)
     : policy_(experiment.start),
+      stages_per_period_(
+          static_cast<int>(std::lround(experiment.control_period / experiment.planning_step))),
       reset_period_(experiment.start_reset_period),
       sizes_(sizes(experiment)),
       rho_(experiment.c3.rho),
@@ -28,7 +31,7 @@ C3Controller::C3Controller(const Experiment& experiment)
 }
 
 void C3Controller::reset() {
-  has_start_ = false;
+  has_start_ = has_plan_ = false;
   period_ = 0;
 }
 
@@ -44,9 +47,19 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     start_.delta.topRows(sizes_.n_x).colwise() = x;
   }
   const bool started = has_start_ && policy_ != StartPolicy::kFresh;
-  solution_ = &solver_.solve(lcs, x, x_desired_, {}, started ? &start_ : nullptr);
+  if (has_plan_) {
+    known_.u.resizeLike(u_);
+    for (int k = 0; k < sizes_.N; ++k)
+      known_.u.col(k) = u_.col(std::min(k + stages_per_period_, sizes_.N - 1));
+    start_.u = known_.u;
+  } else {
+    start_.u.resize(0, 0);
+  }
+  const c3::Start* start = started ? &start_ : nullptr;
+  if (start == nullptr && has_plan_) start = &known_;
+  solution_ = &solver_.solve(lcs, x, x_desired_, {}, start);
   if (solution_->status == c3::SolveStatus::kFailed) {
-    has_start_ = false;
+    has_start_ = has_plan_ = false;
     return nullptr;
   }
   if (policy_ == StartPolicy::kCarriedForces) {
@@ -55,7 +68,7 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
   } else if (policy_ == StartPolicy::kShifted) {
     shift(*solution_, rho_, start_);
   }
-  has_start_ = true;
+  has_start_ = has_plan_ = true;
   u_ = solution_->z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
   return &u_;
 }

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "controller/c3/deadline.hpp"
+#include "controller/c3/fixed_modes.hpp"
+#include "controller/c3/problem.hpp"
+#include "controller/lcs/lemke.hpp"
+#include "controller/qp/qp_rows.hpp"
+#include "controller/qp/riccati.hpp"
+
+namespace c3rt::c3 {
+
+enum class PolishStatus {
+  kOff,
+  kNoPlan,    // none of the plans is complementary and meets the constraints: the solution is as
+              // without polish
+  kBest,      // no pair and no row that could change would bring more
+  kQpLimit,   // Settings::polish QPs were solved before
+  kDeadline,  // the deadline struck before
+};
+
+/// What polish made of a solution. Costs are those of (14), x_0's term included, of plans with
+/// complementary forces; infinity where there is none that meets the constraints.
+struct PolishReport {
+  PolishStatus status = PolishStatus::kOff;
+  double cost_before = std::numeric_limits<double>::infinity();  // of Algorithm 1's inputs
+  double cost = std::numeric_limits<double>::infinity();         // of the inputs chosen
+  int qps = 0;
+};
+
+/// Better plans of the whole problem (15), from plans that are known. The inputs of a known plan
+/// are simulated; that fixes which side of each pair is zero, and with these modes (15) is a QP
+/// over the inputs alone [FixedModes]. A primal active-set method goes down in it, each step one
+/// Riccati recursion, so that time and memory grow linearly with N. Where a pair whose both sides
+/// are zero holds it back, the signs of the two sides' multipliers say whether to leave that point
+/// in this mode or, by one principal pivot, in the other. It ends where no single pair would bring
+/// more: at a local minimum. Once the constraints are met the cost never rises. After `set_costs`
+/// nothing allocates.
+class Polish {
+ public:
+  /// @param max_qps  of all plans together
+  Polish(const Sizes& sizes, int max_qps);
+
+  /// Costs and constraints that passed `check`. May allocate.
+  void set_costs(const Costs& costs, const Constraints& constraints);
+
+  /// Takes a problem, which must outlive the calls of `improve`, and Algorithm 1's inputs
+  /// (n_u × N). RT.
+  void start(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
+             const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
+             const Eigen::Ref<const Eigen::MatrixXd>& u) noexcept;
+  /// Goes down from a plan with these inputs (n_u × N). RT: no heap, no lock, no throw.
+  void improve(const Eigen::Ref<const Eigen::MatrixXd>& u, const Deadline& deadline) noexcept;
+
+  const PolishReport& report() const noexcept { return report_; }
+  /// The best plan, where report().cost is finite: x (n_x × N+1), λ (n_lambda × N), u (n_u × N).
+  const Eigen::MatrixXd& x() const noexcept { return best_.x; }
+  const Eigen::MatrixXd& lambda() const noexcept { return best_.s; }
+  const Eigen::MatrixXd& u() const noexcept { return best_.u; }
+
+ private:
+  /// s of a plan with modes are the sides that are not zero; of one that is simulated, λ.
+  struct Plan {
+    Eigen::MatrixXd x, s, u;  // (n_x × N+1), (n_lambda × N), (n_u × N)
+    std::vector<char> force;  // of each pair
+    double cost = 0.0;        // (14)
+    double violation = 0.0;   // of sides and constraints, relative
+  };
+  enum class Side : char { kNone, kLower, kUpper };
+
+  int row_count() const noexcept { return n_pairs_ + constraints_.count(); }
+  bool is_pair(int row) const noexcept { return row < n_pairs_; }
+  bool is_equality(int row) const noexcept;
+  int stage(int row) const noexcept;
+  const double* normal(int row) const noexcept;
+  double along(int row, const Eigen::MatrixXd& xu, const Eigen::VectorXd& x_N) const noexcept;
+  void add_normal(int row, double factor, Eigen::MatrixXd& xu, Eigen::VectorXd& x_N) const noexcept;
+  double target(int row) const noexcept;
+  double inverse_hessian(int row) noexcept;
+  double slack(int k, int pair) const noexcept;
+  void note_forces(int k, const Plan& plan) noexcept;
+
+  bool simulate(Plan& plan) noexcept;
+  void judge(const Plan& plan) noexcept;
+  void load(Plan& plan) noexcept;
+  bool fit_modes(int k, Plan& plan) noexcept;
+  void take_modes(int k) noexcept;
+  void roll(Plan& plan) noexcept;
+  void measure(Plan& plan) noexcept;
+  void descend(Plan& plan, const Deadline& deadline) noexcept;
+  void guess_active() noexcept;
+  bool drop_wrong_guesses() noexcept;
+  bool solve() noexcept;
+  bool move(Plan& plan, double alpha) noexcept;
+  void add(int row, Side side, double inverse_hessian) noexcept;
+  void drop(int row) noexcept;
+  double inwards(int row) const noexcept;
+  bool release(const Plan& plan) noexcept;
+  bool drop_held(double enough) noexcept;
+  struct Flip {
+    int row;
+    double gain;
+  };
+  Flip best_flip(double enough) noexcept;
+  struct Block {
+    int row;
+    Side side;
+    double alpha, rate;
+  };
+  Block first_block() const noexcept;
+
+  Sizes sizes_, reduced_sizes_;  // of the QPs over x and u alone
+  int n_pairs_;                  // N n_lambda; row k n_lambda + j is pair j of stage k
+  int max_qps_;
+  Horizon lcs_{nullptr, 0};
+  Costs costs_;
+  Eigen::VectorXd x0_;
+  Eigen::MatrixXd x_desired_;
+  lcs::Lemke lemke_;
+  PolishReport report_;
+  Plan plan_, first_, best_;      // first_: of Algorithm 1's inputs
+  Eigen::MatrixXd z_, u_before_;  // (n_z × N), (n_u × N)
+
+  // the QP of the present modes
+  std::vector<FixedModes> modes_;
+  std::vector<lcs::Lcs> reduced_;
+  std::vector<Eigen::MatrixXd> hessian_;  // (n_x + n_u square)
+  qp::QpRows constraints_;                // rows of z; row n_pairs + i is the i-th
+  Eigen::MatrixXd constraint_normals_;    // the same as rows of [x; u]
+  Eigen::VectorXd constraint_offsets_;
+  qp::Riccati riccati_;
+  qp::RankOneTerms penalties_;
+  int changed_ = 0;  // the last stage that differs from those factored
+  bool modes_changed_ = true;
+  double largest_force_ = 0.0;
+  std::vector<int> active_;  // rows that are held
+  std::vector<Side> side_;
+  // per row: of the penalty that holds it, multiplier, aᵀ H⁻¹ a, aᵀ [x; u] + offset
+  Eigen::VectorXd weight_, multiplier_, inverse_hessian_, value_;
+  Eigen::MatrixXd xu_, gradient_, total_, step_;  // (n_x + n_u × N)
+  Eigen::MatrixXd no_defect_;                     // (n_x × N)
+  Eigen::VectorXd gradient_N_, total_N_, step_N_, p_, p_next_;
+};
+
+}  // namespace c3rt::c3
