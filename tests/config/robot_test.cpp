@@ -104,7 +104,7 @@ TEST_CASE("robot: what is wrong in a description is refused by its file and line
     });
   };
   CHECK_THAT(error("mass_kg: 0.269", "mass_kg: -1"),
-             Contains("other_robot.yaml:20: robot.end_effector.mass_kg: expected a number in"));
+             Contains("other_robot.yaml:22: robot.end_effector.mass_kg: expected a number in"));
   CHECK_THAT(error("flange: panda_link8", "flnge: panda_link8"), Contains("robot.flange: missing"));
   CHECK_THAT(error("flange: panda_link8", "flange: panda_link8\ncolour: red"),
              Contains("other_robot.yaml:4: robot.colour: unknown key"));

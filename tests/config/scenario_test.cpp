@@ -384,10 +384,10 @@ TEST_CASE("scenario: what a robot's description says of a scenario is checked by
     return error_of({"robot=" + path});
   };
   CHECK_THAT(error("    gains: {", "    gains: {typo: 1, "),
-             Contains("wrong_robot.yaml:30: impedance.gains.typo: unknown key"));
+             Contains("wrong_robot.yaml:32: impedance.gains.typo: unknown key"));
   CHECK_THAT(
       error("initial_q_rad: [0.0,", "initial_q_rad: [3.0,"),
-      Contains("wrong_robot.yaml:28: plant.initial_q_rad: expected joint 1 in [-2.897300, "));
+      Contains("wrong_robot.yaml:30: plant.initial_q_rad: expected joint 1 in [-2.897300, "));
 }
 
 TEST_CASE("scenario: objects to plan with come from MJCF files beside the one that names them") {
