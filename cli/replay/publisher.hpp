@@ -56,7 +56,7 @@ class Publisher final : public TimedListener {
     std::uint64_t recorded = 0, written = 0;
   };
   template <typename T>
-  void publish(const T& sample);
+  void publish(const T& recorded);
 
   const double rate_;
   const std::int64_t begin_ns_, end_ns_;
