@@ -30,7 +30,7 @@ wire::BusSettings bus_settings(const LaunchSettings& settings) {
   bus.profile_uri = dds_profile_path(settings.dds_profile).string();
   if (!settings.in_process) keys::require_keys(bus.profile_uri, keys::identity_names());
   bus.clock = settings.lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
-  bus.session_id = wire::draw_session();
+  bus.session_id = settings.session != 0 ? settings.session : wire::draw_session();
   return bus;
 }
 
@@ -145,6 +145,18 @@ void Launch::restart(Supervisor& supervisor, const std::string& name) const {
   ChildSpec spec = spec_of(name, false);
   spec.again = true;
   supervisor.start(spec);
+}
+
+std::vector<std::string> Launch::serve_words() const {
+  std::vector<std::string> words{"serve",
+                                 file_.string(),
+                                 "--seed=" + std::to_string(settings_.seed),
+                                 "--domain=" + std::to_string(bus_.domain),
+                                 "--dds=" + settings_.dds_profile,
+                                 "--session=" + std::to_string(bus_.session_id),
+                                 "--out=" + out_.string()};
+  for (const std::string& assignment : settings_.overrides) words.push_back("--set=" + assignment);
+  return words;
 }
 
 std::string failure_text(const ChildExit& end) {

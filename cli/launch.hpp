@@ -28,6 +28,7 @@ struct LaunchSettings {
   bool pictures = true, logs = true;  // of c3rt run
   std::string dds_profile = "loopback";
   std::vector<std::string> without;  // processes that a client plays: "planner"
+  std::uint64_t session = 0;         // 0: drawn
 
   const char* clock_name() const { return lockstep ? "lockstep" : "realtime"; }
   bool leaves_out(const std::string& process) const;
@@ -66,6 +67,10 @@ class Launch {
   const std::filesystem::path& out() const { return out_; }
   const wire::BusSettings& bus() const { return bus_; }
   DomainLock& lock() { return *lock_; }  // none where the nodes are in this process
+  /// Leaves the domain to somebody whom this process starts.
+  void unlock() { lock_.reset(); }
+  /// The words of `c3rt serve` that runs the same in the same session.
+  std::vector<std::string> serve_words() const;
 
  private:
   void lock_domain();

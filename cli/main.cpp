@@ -160,6 +160,8 @@ class CommandLine {
     CLI::App* serve = command(app_, "serve", "The supervisor behind c3rt up, in the foreground",
                               [this] { return cli::serve(serve_.read("up")); });
     serve_.add_to(*serve);
+    // of c3rt chaos, which listens on while the supervisor is another one
+    serve->add_option("--session", serve_.settings.session)->group("");
     serve_.add_without_to(*serve);
     add_seat(*command(app_, "down", "Ends the instance on this domain",
                       [this] { return cli::down(seat_); }),

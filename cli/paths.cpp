@@ -22,7 +22,8 @@ namespace c3rt::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kRoom = std::size_t{256} * 1024;  // at the start [bytes]
+constexpr std::size_t kRoom = std::size_t{256} * 1024;             // at the start [bytes]
+constexpr std::size_t kSmallDisk = std::size_t{64} * 1024 * 1024;  // [bytes]
 constexpr std::size_t kLeast = std::size_t{16} * 1024;  // below this a log loses lines [bytes]
 
 std::vector<std::string> names_in(const fs::path& directory, const std::string& extension) {
@@ -131,6 +132,11 @@ void require_room(const fs::path& folder) {
   fs::remove(probe, error);
   if (!reason.empty())
     throw std::runtime_error("no room for logs and results in " + folder.string() + ": " + reason);
+}
+
+bool is_small_disk(const fs::path& folder) {
+  struct statvfs room {};
+  return statvfs(folder.c_str(), &room) == 0 && room.f_blocks * room.f_frsize <= kSmallDisk;
 }
 
 bool is_full(const fs::path& folder) {

@@ -46,6 +46,9 @@ std::filesystem::path make_folder(const std::filesystem::path& folder);
 /// The folder takes this much now. @throws std::runtime_error saying why not
 void require_room(const std::filesystem::path& folder);
 
+/// Its file system is so small (64 MiB) that filling it harms nobody who did not ask for it.
+bool is_small_disk(const std::filesystem::path& folder);
+
 /// Nothing more can be written there.
 bool is_full(const std::filesystem::path& folder);
 

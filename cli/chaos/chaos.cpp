@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "cli/chaos/recovery.hpp"
@@ -36,6 +38,7 @@ constexpr double kTail = 5.0;             // after the last fault of a pass [s]
 constexpr double kSettled = 1.0;          // after a jump of clocks [s]
 constexpr double kLookAtProcesses = 5.0;  // [s]
 constexpr double kComesUp = 60.0;         // until the four must run [s]
+constexpr double kUnitRestart = 0.2;      // RestartSec of the systemd units [s]
 constexpr int kCyclesPerLook = 200;
 constexpr int kLoops = std::numeric_limits<int>::max();
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -58,6 +61,83 @@ class Ears final : public soak::Watch {
   }
 };
 
+/// Who keeps the processes running.
+class Keepers {
+ public:
+  Keepers() = default;
+  Keepers(const Keepers&) = delete;
+  Keepers& operator=(const Keepers&) = delete;
+  virtual ~Keepers() = default;
+  /// One look. @return what has failed for good
+  virtual std::string step() = 0;
+  virtual std::vector<std::pair<std::string, pid_t>> pids() const = 0;
+  virtual void stop() = 0;
+};
+
+/// This process itself, as c3rt serve does it.
+class Own final : public Keepers {
+ public:
+  explicit Own(Launch& launch) : launch_(launch) {
+    launch.start(supervisor_, false);
+    keeper_.emplace(launch, supervisor_);
+  }
+  std::string step() override {
+    const auto end = keeper_->step();
+    return end ? failure_text(*end) : "";
+  }
+  std::vector<std::pair<std::string, pid_t>> pids() const override { return supervisor_.pids(); }
+  void stop() override {
+    keeper_.reset();
+    cli::stop(supervisor_);
+    launch_.lock().set_ended("chaos ended");
+  }
+
+ private:
+  Launch& launch_;
+  Supervisor supervisor_;
+  std::optional<Keeper> keeper_;
+};
+
+/// c3rt serve, which may be killed itself; this process starts it again, as systemd does.
+class Served final : public Keepers {
+ public:
+  Served(Launch& launch, const Recorder& recorder) : recorder_(recorder) {
+    spec_.name = "supervisor";
+    spec_.arguments = launch.serve_words();
+    spec_.arguments.insert(spec_.arguments.begin(), (binary_directory() / "c3rt").string());
+    spec_.log = launch.out() / "logs" / "supervisor.log";
+    launch.unlock();
+    supervisor_.start(spec_);
+    spec_.again = true;
+  }
+  std::string step() override {
+    if (const auto end = supervisor_.take_ended()) {
+      if (!WIFSIGNALED(end->status)) return failure_text(*end);
+      again_at_ = wall_time() + kUnitRestart;
+    }
+    if (again_at_ && wall_time() >= *again_at_) {
+      again_at_.reset();
+      supervisor_.start(spec_);
+    }
+    return "";
+  }
+  std::vector<std::pair<std::string, pid_t>> pids() const override {
+    std::vector<std::pair<std::string, pid_t>> all = supervisor_.pids();
+    for (const auto& status : recorder_.live().services) {
+      if (status && status->pid > 0)
+        all.emplace_back(wire::process_name(status->process), status->pid);
+    }
+    return all;
+  }
+  void stop() override { cli::stop(supervisor_); }
+
+ private:
+  const Recorder& recorder_;
+  ChildSpec spec_;
+  Supervisor supervisor_;
+  std::optional<double> again_at_;
+};
+
 class Chaos {
  public:
   explicit Chaos(const Settings& settings) : settings_(settings), begun_(wall_time()) {
@@ -66,7 +146,7 @@ class Chaos {
     summary_.clock = settings.launch.clock_name();
     if (settings.launch.in_process) summary_.clock += " in one process";
     // before there is a folder; what the scenario's cameras allow is looked at with the scenario
-    (void)choose(settings.faults, {where(), 1});
+    (void)choose(settings.faults, {where(), 1, true});
   }
 
   int run() {
@@ -94,7 +174,8 @@ class Chaos {
   Where where() const { return settings_.launch.in_process ? kSimulated : kRealtime; }
 
   void begin(const Launch& launch) {
-    choices_ = choose(settings_.faults, {where(), extent_of(launch.scenario()).cameras});
+    choices_ = choose(settings_.faults,
+                      {where(), extent_of(launch.scenario()).cameras, is_small_disk(launch.out())});
     if (files_) return;
     summary_.scenario = launch.scenario().name;
     settings_.launch.out = launch.out().string();
@@ -214,26 +295,31 @@ class Chaos {
     begin(launch);
     launch.require_free_bus();
     begin_pass(launch, task, settings_.launch.seed, settings_.duration);
-    Supervisor supervisor;
     // a short recording: after it the listener goes on
     Recorder recorder(launch.bus(), {task, kLoops, 0.1, kForever}, nullptr, launch.out(), &ears_);
-    launch.start(supervisor, false);
+    const bool served = std::any_of(choices_.begin(), choices_.end(), [](const Choice& choice) {
+      return choice.kind->act == Act::kKillService;
+    });
+    std::unique_ptr<Keepers> keepers;
+    if (served) {
+      keepers = std::make_unique<Served>(launch, recorder);
+    } else {
+      keepers = std::make_unique<Own>(launch);
+    }
     {
-      Keeper keeper(launch, supervisor);
-      RealWorld world(launch, supervisor);
-      if (comes_up(keeper, recorder)) keep(launch, supervisor, keeper, world, recorder);
+      RealWorld world(launch, [&keepers] { return keepers->pids(); });
+      if (comes_up(*keepers, recorder)) keep(launch, *keepers, world, recorder);
     }
     recorder.stop();
-    stop(supervisor);
-    launch.lock().set_ended("chaos ended");
+    keepers->stop();
     end_pass();
   }
 
-  bool comes_up(Keeper& keeper, const Recorder& recorder) {
+  bool comes_up(Keepers& keepers, const Recorder& recorder) {
     const double deadline = wall_time() + kComesUp;
     while (failed_.empty() && !interrupted_) {
       interrupted_ = wire::StopFlag::requested();
-      if (!look_after(keeper)) return false;
+      if (!look_after(keepers)) return false;
       const Live live = recorder.live();
       const bool all = std::count_if(live.services.begin(), live.services.end(),
                                      [](const auto& s) { return s.has_value(); }) >= 4;
@@ -244,14 +330,12 @@ class Chaos {
     return false;
   }
 
-  bool look_after(Keeper& keeper) {
-    const auto end = keeper.step();
-    if (end) failed_ = failure_text(*end);
-    return !end;
+  bool look_after(Keepers& keepers) {
+    failed_ = keepers.step();
+    return failed_.empty();
   }
 
-  void keep(const Launch& launch, const Supervisor& supervisor, Keeper& keeper, World& world,
-            const Recorder& recorder) {
+  void keep(const Launch& launch, Keepers& keepers, World& world, const Recorder& recorder) {
     const std::int64_t begun_ns = rt::now_ns();
     double looked = -kForever;
     while (!interrupted_ && failed_.empty() && summary_.lasted < settings_.duration) {
@@ -261,23 +345,36 @@ class Chaos {
       if (const std::string failure = recorder.failure(); !failure.empty())
         failed_ = "recorder: " + failure;
       const Fault* begun = step(world, summary_.lasted, now_ns);
-      if (begun != nullptr && begun->kind->act == Act::kKill) {
-        ears_.with([&](soak::Watch& watch) {
-          watch.processes.restarted(begun->target);
-          watch.samples->restarted(process_of(begun->target));
-        });
-        looked = summary_.lasted;  // until its successor is there
-      }
-      if (!look_after(keeper)) break;
+      if (begun != nullptr) note_killed(*begun, looked);
+      if (!look_after(keepers)) break;
       if (summary_.lasted - looked > kLookAtProcesses) {
         looked = summary_.lasted;
-        for (const auto& [name, pid] : supervisor.pids())
+        for (const auto& [name, pid] : keepers.pids())
           look_at(name, pid, launch.out() / "logs" / (name + ".log"), looked);
         look_at_self(looked);
       }
       show(summary_.lasted);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+  }
+
+  /// Who is another one from now on.
+  void note_killed(const Fault& fault, double& looked) {
+    const Act act = fault.kind->act;
+    if (act != Act::kKill && act != Act::kKillService) return;
+    std::vector<std::string> names{fault.target};
+    if (act == Act::kKillService) {
+      for (const auto& each : {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE,
+                               c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION})
+        names.emplace_back(wire::process_name(each));
+    }
+    ears_.with([&](soak::Watch& watch) {
+      for (const std::string& name : names) {
+        watch.processes.restarted(name);
+        if (name != "supervisor") watch.samples->restarted(process_of(name));
+      }
+    });
+    looked = summary_.lasted;  // until its successor is there
   }
 
   /// A command that shows the first violation, or what has not recovered, again.
@@ -300,6 +397,7 @@ class Chaos {
     summary_.wall = wall_time() - begun_;
     summary_.samples = ears_.samples_heard();
     summary_.reflexes = ears_.reflexes_seen();
+    if (files_) summary_.rows_lost = files_->lost();
     summary_.again = again();
     const std::vector<Criterion> criteria = criteria_of(outcomes_);
     const bool kept = ears_.violations.count() == 0 &&

@@ -22,7 +22,8 @@ std::vector<std::string_view> edge_names() {
 
 bool is_offered(const Kind& kind, const Offer& offer) {
   const bool needs_cameras = kind.injected == c3rt_v2_FAULT_FREEZE_CAMERA;
-  return (kind.where & offer.where) != 0 && (!needs_cameras || offer.cameras > 0);
+  return (kind.where & offer.where) != 0 && (!needs_cameras || offer.cameras > 0) &&
+         (kind.act != Act::kFillDisk || offer.small_disk);
 }
 
 template <typename Names>
@@ -42,10 +43,13 @@ Choice chosen(const std::string& word, const Offer& offer) {
     for (const Kind& kind : kinds()) {
       if (is_offered(kind, offer)) names.push_back(kind.name);
     }
-    const char* why = found == kinds().end()              ? "there is no such kind"
-                      : (found->where & offer.where) != 0 ? "the scenario has no cameras"
-                      : offer.where == kRealtime          ? "it needs --in-process"
-                                                          : "it needs real processes";
+    const char* why =
+        found == kinds().end() ? "there is no such kind"
+        : (found->where & offer.where) == 0
+            ? (offer.where == kRealtime ? "it needs --in-process" : "it needs real processes")
+        : found->act == Act::kFillDisk
+            ? "it needs --out on a file system of its own, of at most 64 MiB, which it fills"
+            : "the scenario has no cameras";
     throw UsageError(fmt::format("--faults {}: {}; expected {}", word, why, listed(names)));
   }
   if (colon == std::string::npos) return {&*found, found->targets};
@@ -77,6 +81,7 @@ const std::vector<Kind>& kinds() {
   // clang-format off
   static const std::vector<Kind> all{
       {"kill", Act::kKill, kNothing, kBoth, kFour, kNone, 0, 0, "kill -9, and it is started again (simulated: not the plant)"},
+      {"kill-service", Act::kKillService, kNothing, kRealtime, {"supervisor"}, kNone, 0, 0, "kill -9 of the supervisor of c3rt up; only where it is named", true},
       {"stop", Act::kStop, kNothing, kBoth, kFour, {0.1, 1.0, 10.0}, 0, 0, "SIGSTOP, later SIGCONT"},
       {"stall", Act::kInject, c3rt_v2_FAULT_STALL, kBoth, kFour, {0.01, 0.1, 1.0}, 0, 0, "the process takes and sends nothing"},
       {"nan", Act::kInject, c3rt_v2_FAULT_NAN, kBoth, kFour, {0.01, 0.1, 1.0}, 0, 0, "the process writes NaN"},
@@ -92,7 +97,8 @@ const std::vector<Kind>& kinds() {
       {"clock-jump", Act::kShiftClock, kNothing, kSimulated, edge_names(), kShort, 0.002, 0.9, "stamps jump by so many s, there and back"},
       {"wrong-object", Act::kShiftObject, kNothing, kSimulated, {"estimate-to-planner"}, kShort, 0.002, 0.03, "the object is told so many m away"},
       {"second-writer", Act::kDouble, kNothing, kRealtime, doubled_topics(), {0.2, 2.0}, 20.0, 2000.0, "somebody else writes a topic, too, what misleads"},
-      {"flood", Act::kFlood, kNothing, kRealtime, flooded_topics(), {0.2, 2.0}, 100.0, 10000.0, "somebody asks so many times a second what nobody grants"}};
+      {"flood", Act::kFlood, kNothing, kRealtime, flooded_topics(), {0.2, 2.0}, 100.0, 10000.0, "somebody asks so many times a second what nobody grants"},
+      {"full-disk", Act::kFillDisk, kNothing, kRealtime, {"results"}, {0.5, 5.0}, 0, 0, "the file system of --out is full; only of one of at most 64 MiB"}};
   // clang-format on
   return all;
 }
@@ -101,7 +107,7 @@ std::vector<Choice> choose(const std::string& list, const Offer& offer) {
   std::vector<Choice> choices;
   if (list.empty()) {
     for (const Kind& kind : kinds()) {
-      if (is_offered(kind, offer)) choices.push_back({&kind, kind.targets});
+      if (is_offered(kind, offer) && !kind.if_named) choices.push_back({&kind, kind.targets});
     }
   }
   std::istringstream words(list);

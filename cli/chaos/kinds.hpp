@@ -12,6 +12,7 @@ namespace c3rt::cli::chaos {
 /// What a fault does.
 enum class Act {
   kKill,         // the process is gone at once and is started again
+  kKillService,  // kill -9 of the supervisor, and with it all four; as systemd starts it again
   kStop,         // it stands still, as under SIGSTOP, and goes on
   kInject,       // what the process itself offers: c3rt fault
   kDelay,        // samples of an edge come later; amount: by [s]
@@ -23,6 +24,7 @@ enum class Act {
   kShiftObject,  // tell the object elsewhere; amount: by [m]
   kDouble,       // somebody else writes a topic, too; amount: so many a second
   kFlood,        // somebody asks what nobody grants; amount: so many times a second
+  kFillDisk,     // nothing more can be written into the run's folder
 };
 
 /// Where a kind is offered.
@@ -37,6 +39,7 @@ struct Kind {
   std::vector<double> durations;          // one is drawn [s]; empty: it is over at once
   double least, most;                     // of its amount; its logarithm is uniform
   std::string_view says;
+  bool if_named = false;  // not among those that are drawn where nobody names kinds
 };
 
 const std::vector<Kind>& kinds();
@@ -58,7 +61,8 @@ struct Choice {
 /// What the machine and the scenario have.
 struct Offer {
   Where where;
-  int cameras;  // 0: no camera can fail
+  int cameras;              // 0: no camera can fail
+  bool small_disk = false;  // results go to a file system that may be filled
 };
 
 /// @param list "kill,stop:planner"; empty: every kind that is offered

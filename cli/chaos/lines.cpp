@@ -81,10 +81,12 @@ std::function<wire::Passage(T&)> line_of(const Fault& fault) {
       };
     }
     case Act::kKill:
+    case Act::kKillService:
     case Act::kStop:
     case Act::kInject:
     case Act::kDouble:
     case Act::kFlood:
+    case Act::kFillDisk:
       break;
   }
   return {};

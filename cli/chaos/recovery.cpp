@@ -136,7 +136,9 @@ std::map<std::string, Times> by_kind(const std::vector<Outcome>& outcomes) {
 Times of_plant(const std::vector<Outcome>& outcomes, bool plant) {
   Times times;
   for (const Outcome& outcome : outcomes) {
-    if ((outcome.fault.target == "plant") == plant) add(times, outcome);
+    // with the supervisor the plant has gone, too
+    const std::string_view target = outcome.fault.target;
+    if ((target == "plant" || target == "supervisor") == plant) add(times, outcome);
   }
   sort(times);
   return times;

@@ -69,23 +69,15 @@ ordered_json to_json(const Summary& summary, const std::vector<Outcome>& outcome
                         {"limit", criterion.limit},
                         {"met", criterion.met}});
   }
-  return {{"scenario", summary.scenario},
-          {"clock", summary.clock},
-          {"seed", summary.seed},
-          {"rate_per_min", summary.rate},
-          {"result", summary.result},
-          {"lasted_s", summary.lasted},
-          {"wall_s", summary.wall},
-          {"passes", summary.passes},
-          {"samples", summary.samples},
-          {"reflexes", summary.reflexes},
-          {"log_hashes", summary.log_hashes},
-          {"faults", outcomes.size()},
-          {"kinds", kinds},
-          {"criteria", criteria},
-          {"violations", soak::to_json(violations)},
-          {"reproduce", summary.again},
-          {"processes", soak::to_json(courses)}};
+  return {{"scenario", summary.scenario},   {"clock", summary.clock},
+          {"seed", summary.seed},           {"rate_per_min", summary.rate},
+          {"result", summary.result},       {"lasted_s", summary.lasted},
+          {"wall_s", summary.wall},         {"passes", summary.passes},
+          {"samples", summary.samples},     {"reflexes", summary.reflexes},
+          {"rows_lost", summary.rows_lost}, {"log_hashes", summary.log_hashes},
+          {"faults", outcomes.size()},      {"kinds", kinds},
+          {"criteria", criteria},           {"violations", soak::to_json(violations)},
+          {"reproduce", summary.again},     {"processes", soak::to_json(courses)}};
 }
 
 std::string to_text(const Summary& summary, const std::vector<Outcome>& outcomes,
@@ -98,6 +90,10 @@ std::string to_text(const Summary& summary, const std::vector<Outcome>& outcomes
   line("lasted", fmt::format("{} in {} of the wall, {} faults, {} samples, {} reflexes",
                              soak::time_text(summary.lasted), soak::time_text(summary.wall),
                              outcomes.size(), summary.samples, summary.reflexes));
+  if (summary.rows_lost > 0) {
+    line("lost",
+         fmt::format("{} lines of processes.csv: there was no room for them", summary.rows_lost));
+  }
   text += fmt::format("  {:<20}{:>6}  {:>7}{:>7}{:>7}{:>7}   {:>7}{:>7}  {}\n", "the arm goes on",
                       "times", "p50", "p95", "p99", "max", "at task", "max", "[s] after its end");
   for (const auto& [name, times] : by_kind(outcomes)) {

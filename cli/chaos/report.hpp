@@ -25,6 +25,7 @@ struct Summary {
   double lasted = 0.0;  // of the session's clock [s]
   double wall = 0.0;    // [s]
   std::uint64_t passes = 0, samples = 0, reflexes = 0;
+  std::uint64_t rows_lost = 0;          // of processes.csv: there was no room
   std::vector<std::string> log_hashes;  // of the passes, in simulated time
   std::string again;                    // a command that shows the first violation again
 };

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <csignal>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "cli/chaos/lines.hpp"
 
 namespace c3rt::cli::chaos {
@@ -98,18 +101,32 @@ void SimulatedWorld::look(std::int64_t now_ns) {
   }
 }
 
-RealWorld::RealWorld(const Launch& launch, const Supervisor& supervisor)
+RealWorld::RealWorld(const Launch& launch, Pids pids)
     : extent_(extent_of(launch.scenario())),
-      supervisor_(supervisor),
+      pids_(std::move(pids)),
+      filler_(launch.out() / "filler"),
       bus_(launch.bus()),
       faults_(bus_) {}
 
 RealWorld::~RealWorld() {
   if (!stopped_.empty()) signal(stopped_, SIGCONT);
+  std::error_code none;
+  std::filesystem::remove(filler_, none);
+}
+
+/// To the last byte.
+void RealWorld::fill_disk() const {
+  const int file = open(filler_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) return;
+  static const std::vector<char> kBlock(std::size_t{64} * 1024);
+  for (std::size_t size = kBlock.size(); size > 0;) {
+    if (write(file, kBlock.data(), size) <= 0) size /= 2;
+  }
+  close(file);
 }
 
 void RealWorld::signal(const std::string& name, int number) const {
-  for (const auto& [known, pid] : supervisor_.pids()) {
+  for (const auto& [known, pid] : pids_()) {
     if (known == name) kill(pid, number);
   }
 }
@@ -117,6 +134,7 @@ void RealWorld::signal(const std::string& name, int number) const {
 void RealWorld::begin(const Fault& fault, std::int64_t now_ns) {
   switch (fault.kind->act) {
     case Act::kKill:
+    case Act::kKillService:
       signal(fault.target, SIGKILL);
       return;
     case Act::kStop:
@@ -126,6 +144,9 @@ void RealWorld::begin(const Fault& fault, std::int64_t now_ns) {
     case Act::kDouble:
     case Act::kFlood:
       stranger_.emplace(bus_, fault);
+      return;
+    case Act::kFillDisk:
+      fill_disk();
       return;
     default:
       wire::FaultInject sample = inject_of(fault, extent_);
@@ -139,6 +160,10 @@ void RealWorld::look(std::int64_t now_ns) {
 
 void RealWorld::end(const Fault& fault, std::int64_t) {
   stranger_.reset();
+  if (fault.kind->act == Act::kFillDisk) {
+    std::error_code none;
+    std::filesystem::remove(filler_, none);
+  }
   if (fault.kind->act != Act::kStop) return;
   signal(stopped_, SIGCONT);
   stopped_.clear();

@@ -1,9 +1,12 @@
 #pragma once
 // What faults act upon: nodes in this process, or processes.
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/chaos/schedule.hpp"
@@ -61,7 +64,9 @@ class SimulatedWorld final : public World {
 /// Of processes of this host.
 class RealWorld final : public World {
  public:
-  RealWorld(const Launch& launch, const Supervisor& supervisor);
+  /// The processes that run, with their process ids; the supervisor's where it is one of them.
+  using Pids = std::function<std::vector<std::pair<std::string, pid_t>>()>;
+  RealWorld(const Launch& launch, Pids pids);
   ~RealWorld() override;  // nobody stays stopped
   void begin(const Fault& fault, std::int64_t now_ns) override;
   void end(const Fault& fault, std::int64_t now_ns) override;
@@ -70,8 +75,10 @@ class RealWorld final : public World {
  private:
   void signal(const std::string& name, int number) const;
   const Extent extent_;
-  const Supervisor& supervisor_;
-  std::string stopped_;  // who stands still; empty: nobody
+  void fill_disk() const;
+  const Pids pids_;
+  const std::filesystem::path filler_;  // what fills the disk
+  std::string stopped_;                 // who stands still; empty: nobody
   wire::Bus bus_;
   wire::Writer<wire::FaultInject> faults_;
   std::optional<Stranger> stranger_;

@@ -32,6 +32,7 @@ TEST_CASE("paths: on a full disk a file is written whole or not at all, and it i
   CHECK(std::distance(fs::directory_iterator(disk.path()), {}) == 1);
   std::ofstream(disk.path() / "filler") << std::string(600000, 'x');
   CHECK(is_full(disk.path()));
+  CHECK(is_small_disk(disk.path()));
   CHECK_THROWS_WITH(require_room(disk.path()),
                     Catch::Contains("no room for logs and results in ") &&
                         Catch::Contains("No space left on device"));

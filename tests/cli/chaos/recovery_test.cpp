@@ -1,7 +1,9 @@
 #include "cli/chaos/recovery.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include <catch2/catch.hpp>
 
@@ -15,9 +17,10 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-Fault fault_of(std::size_t kind, const char* target) {
+Fault fault_of(std::string_view kind, const char* target) {
   Fault fault;
-  fault.kind = &kinds()[kind];
+  fault.kind = &*std::find_if(kinds().begin(), kinds().end(),
+                              [kind](const Kind& known) { return known.name == kind; });
   fault.target = target;
   return fault;
 }
@@ -65,7 +68,7 @@ struct Stream {
 
 TEST_CASE("chaos: it goes on when the arm follows what was seen after the fault, and has moved") {
   Stream stream;
-  stream.recovery.begin(fault_of(1, "planner"), stream.now_ns);
+  stream.recovery.begin(fault_of("stop", "planner"), stream.now_ns);
   stream.run(100, stream.now_ns, 0.1);
   stream.recovery.end(stream.now_ns);
   const std::int64_t end_ns = stream.now_ns;
@@ -86,7 +89,7 @@ TEST_CASE("chaos: it goes on when the arm follows what was seen after the fault,
 
 TEST_CASE("chaos: an arm that does not move has not gone on, and patience ends once") {
   Stream stream;
-  stream.recovery.begin(fault_of(0, "plant"), stream.now_ns);
+  stream.recovery.begin(fault_of("kill", "plant"), stream.now_ns);
   stream.recovery.end(stream.now_ns);
   const std::int64_t end_ns = stream.now_ns;
   stream.run(1000, end_ns + kMs, 0.0);
@@ -107,7 +110,7 @@ TEST_CASE("chaos: an arm that does not move has not gone on, and patience ends o
 TEST_CASE("chaos: faults that come before it has gone on do not make it patient") {
   Stream stream;
   for (int i = 0; i < 5; ++i) {
-    stream.recovery.begin(fault_of(1, "vision"), stream.now_ns);
+    stream.recovery.begin(fault_of("stop", "vision"), stream.now_ns);
     stream.now_ns += 10'000 * kMs;  // which do not count
     stream.recovery.end(stream.now_ns);
     stream.now_ns += base::nanoseconds(0.22 * Recovery::kPatience);

@@ -97,6 +97,8 @@ TEST_CASE("chaos: what is not offered is refused with the reason") {
         Case{"flood", kInOneProcess, "it needs real processes"},
         Case{"kill:plant", kInOneProcess, "it needs real processes"},
         Case{"freeze-camera", {kSimulated, 0}, "the scenario has no cameras"},
+        Case{"full-disk", kOfProcesses, "--out on a file system of its own, of at most 64 MiB"},
+        Case{"kill-service", kInOneProcess, "it needs real processes"},
         Case{"stop:robot", kInOneProcess, "expected a target of plant, impedance"},
         Case{",", kInOneProcess, "there is no such kind"}}) {
     CAPTURE(c.list);
@@ -107,12 +109,26 @@ TEST_CASE("chaos: what is not offered is refused with the reason") {
     CHECK(choice.kind->name != "freeze-camera");
 }
 
+TEST_CASE(
+    "chaos: a disk is filled where it is a small one, the service is killed where it is asked") {
+  const auto has = [](const std::vector<Choice>& choices, std::string_view name) {
+    return std::any_of(choices.begin(), choices.end(),
+                       [name](const Choice& choice) { return choice.kind->name == name; });
+  };
+  CHECK_FALSE(has(choose("", kOfProcesses), "full-disk"));
+  CHECK(has(choose("", {kRealtime, 3, true}), "full-disk"));
+  CHECK_FALSE(has(choose("", {kRealtime, 3, true}), "kill-service"));
+  CHECK(has(choose("stop,kill-service", kOfProcesses), "kill-service"));
+}
+
 TEST_CASE("chaos: every target is a process, an edge or a topic") {
   for (const Kind& kind : kinds()) {
     for (const std::string_view target : kind.targets) {
       CAPTURE(kind.name, target);
       const bool is_topic = c3rt::wire::with_topic(target, [](const auto&) {});
-      if (edge_of(target) == nullptr && !is_topic) CHECK_NOTHROW(process_of(target));
+      const bool is_of_service = target == "results" || target == "supervisor";
+      if (edge_of(target) == nullptr && !is_topic && !is_of_service)
+        CHECK_NOTHROW(process_of(target));
     }
     CHECK(kinds_text().find(kind.name) != std::string::npos);
   }
