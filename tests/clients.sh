@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The matrix of clients of docs/clients.md: each reads robot/state and plan of `c3rt up circle_slow`, gives it a circle and awaits the
 # answer, with the profiles loopback, lan and secure. In a network of its own and a folder that is gone afterwards: needs
-# root, idlc and Cyclone DDS's headers (Debian: cyclonedds-tools, cyclonedds-dev), cargo, and the network for PyPI and crates.io.
+# root, idlc and Cyclone DDS's headers (Debian: cyclonedds-tools, cyclonedds-dev), cargo, and the network for packages of Python and Rust.
 #
 #   tests/clients.sh [CLIENT…]     python11 python10 c c++ rust; without a word all of them
 #
