@@ -450,14 +450,18 @@ class CommandLine {
     }
   }
 
+  static void add_shown(CLI::App& program, cli::ShownScenario& shown) {
+    program.add_option("--scenario", shown.scenario,
+                       "Whose objects are shown; default: that of the instance");
+    program.add_option("--set", shown.overrides, "Overrides one key of it: section.key=value")
+        ->expected(1)
+        ->take_all();
+  }
+
   void add_view() {
     CLI::App* page = command(app_, "view", "What happens, live in a browser",
                              [this] { return cli::view(seat_, view_); });
-    page->add_option("--scenario", view_.shown.scenario,
-                     "Whose objects are drawn; default: that of the instance");
-    page->add_option("--set", view_.shown.overrides, "Overrides one key of it: section.key=value")
-        ->expected(1)
-        ->take_all();
+    add_shown(*page, view_.shown);
     page->add_option("--port", view_.port, "Of the page")
         ->check(cli::whole(1, 65535))
         ->capture_default_str();
@@ -467,11 +471,7 @@ class CommandLine {
     CLI::App* border =
         command(app_, "ros", "The border to ROS 2: joint states, tf, poses, markers; goals",
                 [this] { return cli::ros(seat_, ros_); });
-    border->add_option("--scenario", ros_.shown.scenario,
-                       "Whose objects are shown; default: that of the instance");
-    border->add_option("--set", ros_.shown.overrides, "Overrides one key of it: section.key=value")
-        ->expected(1)
-        ->take_all();
+    add_shown(*border, ros_.shown);
     border->add_option("--ros-domain", ros_.domain, "ROS 2's; default: ROS_DOMAIN_ID, else 0")
         ->check(cli::whole(0, 230));
     border->add_option("--frame", ros_.frame, "ROS 2's name of the robot's base frame")

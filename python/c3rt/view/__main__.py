@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
-import json
-import pathlib
-import signal
 import sys
-from typing import List
 
+from c3rt._shown import parser_of, take_scene, until_interrupted
 from c3rt.client import Client
 
 from .page import Page
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m c3rt.view", description=__doc__)
-    parser.add_argument("scene", type=pathlib.Path, help="as c3rt view writes it; it is removed")
-    parser.add_argument("--domain", type=int, default=0)
-    parser.add_argument("--profile", default="loopback")
+    parser = parser_of("view", __doc__)
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=8080)
     given = parser.parse_args()
-    scene = json.loads(given.scene.read_text())
-    given.scene.unlink()
-    ended: List[bool] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: ended.append(True))
+    scene = take_scene(given.scene)
+    ended = until_interrupted()
     with Client(given.domain, given.profile) as client:
         page = Page(client, scene, given.host, given.port)
         print(f"http://{given.host}:{page.port}  (Ctrl-C ends it)", flush=True)
         try:
-            page.run(lambda: bool(ended))
+            page.run(ended)
         finally:
             page.stop()
     return 0
