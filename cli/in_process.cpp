@@ -7,13 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "cli/services.hpp"
 #include "controller/base/time.hpp"
-#include "controller/impedance/service.hpp"
-#include "controller/impedance/servo.hpp"
-#include "idl/endpoint.hpp"
 #include "idl/exchange.hpp"
-#include "vision/scene_source.hpp"
-#include "vision/service.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -56,15 +52,6 @@ struct Guest {
   std::function<void(const wire::Sequences&)> act;
 };
 
-/// The impedance process: its cycle, and what goes on beside it.
-struct Impedance {
-  Impedance(Seat& seat, const impedance::Parameters& parameters)
-      : servo(seat.bus, parameters, model::Arm(parameters.arm), seat.endpoint.status().compute()),
-        service(servo, seat.endpoint) {}
-  impedance::Servo servo;
-  impedance::Service service;
-};
-
 }  // namespace
 
 struct InProcess::Implementation {
@@ -91,20 +78,13 @@ struct InProcess::Implementation {
     switch (process) {
       case c3rt_v2_PROCESS_IMPEDANCE:
         impedance.reset();
-        impedance.emplace(impedance_seat, scenario.impedance);
+        impedance.emplace(impedance_seat.bus, impedance_seat.endpoint, scenario);
         return;
       case c3rt_v2_PROCESS_PLANNER:
-        planner.reset();
-        planner.emplace(planner_seat.bus, planner_seat.endpoint,
-                        planner::seeded(scenario.planner, seed), model::Arm(scenario.impedance.arm),
-                        scenario.timing.solve_time_s);
+        cli::start(planner, planner_seat.bus, planner_seat.endpoint, scenario, seed);
         return;
       case c3rt_v2_PROCESS_VISION:
-        vision.reset();
-        vision.emplace(vision_seat.bus, vision_seat.endpoint, scenario.vision,
-                       vision::starts_of(scenario.plant.world), scenario.timing.vision_latency_s,
-                       vision::make_scene_source(vision_seat.bus, vision_seat.endpoint,
-                                                 scenario.plant.world, scenario.vision, seed));
+        cli::start(vision, vision_seat.bus, vision_seat.endpoint, scenario, seed);
         return;
       default:
         throw wire::WireError(std::string("within one process ") + wire::process_name(process) +

@@ -4,12 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "cli/services.hpp"
 #include "controller/base/time.hpp"
-#include "controller/impedance/service.hpp"
-#include "controller/impedance/servo.hpp"
-#include "controller/planner/service.hpp"
-#include "vision/scene_source.hpp"
-#include "vision/service.hpp"
 
 namespace c3rt::cli::replay {
 namespace {
@@ -37,19 +33,15 @@ struct Alone::Work {
     switch (process) {
       case c3rt_v2_PROCESS_PLANNER:
         period_s = 1.0 / s.planner.rate;
-        planner.emplace(bus, endpoint, planner::seeded(s.planner, seed),
-                        model::Arm(s.impedance.arm), s.timing.solve_time_s);
+        start(planner, bus, endpoint, s, seed);
         return;
       case c3rt_v2_PROCESS_VISION:
         period_s = 1.0 / s.vision.rate;
-        vision.emplace(bus, endpoint, s.vision, vision::starts_of(s.plant.world),
-                       s.timing.vision_latency_s,
-                       vision::make_scene_source(bus, endpoint, s.plant.world, s.vision, seed));
+        start(vision, bus, endpoint, s, seed);
         return;
       case c3rt_v2_PROCESS_IMPEDANCE:
         period_s = s.impedance.period;
-        servo.emplace(bus, s.impedance, model::Arm(s.impedance.arm), endpoint.status().compute());
-        impedance.emplace(*servo, endpoint);
+        impedance.emplace(bus, endpoint, s);
         return;
       default:
         throw wire::WireError(std::string("no process alone: ") + wire::process_name(process));
@@ -58,17 +50,16 @@ struct Alone::Work {
   void step(std::int64_t now_ns) {
     if (planner) planner->step(now_ns);
     if (vision) vision->step(now_ns);
-    if (!servo) return;
-    servo->cycle(now_ns);
-    impedance->poll(now_ns);
+    if (!impedance) return;
+    impedance->servo.cycle(now_ns);
+    impedance->service.poll(now_ns);
   }
   wire::Bus bus;
   wire::Endpoint endpoint;
   double period_s = 0.0;
   std::optional<planner::Service> planner;
   std::optional<vision::Service> vision;
-  std::optional<impedance::Servo> servo;
-  std::optional<impedance::Service> impedance;
+  std::optional<Impedance> impedance;
 };
 
 Alone::Alone(const config::Scenario& scenario, wire::Process process, std::uint64_t seed,
