@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Makes the site of docs/: c3rt docs calls it.
+
+    build.py OUT --build BUILD    the pages in OUT, what is made from the tree by the programs of BUILD (build/release)
+
+Every link is checked; the first that leads nowhere ends it with status 1. Needs what requirements.txt names.
+"""
+import argparse
+import os
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import reference
+
+ROOT = Path(__file__).resolve().parents[2]
+AT_THE_TOP = ("CONTRIBUTING.md", "CHANGELOG.md")  # pages of the site that stand above docs/
+
+
+def place(path):
+    """Where a file of the repository is in the site: docs/ is its top."""
+    return path.relative_to("docs") if path.parts[0] == "docs" else path
+
+
+def with_links_of_the_site(text, path):
+    """The page at path, its links to other files of the repository as they are in the site."""
+
+    def link(match):
+        target, anchor = match.group(1), match.group(2) or ""
+        file = Path(os.path.normpath(path.parent / target))
+        if file.parts[0] != "docs" and str(file) not in AT_THE_TOP:
+            return match.group(0)  # not in the site: refused by Sphinx
+        return f"]({os.path.relpath(place(file), place(path).parent)}{anchor})"
+
+    return re.sub(r"\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)", link, text)
+
+
+def gather(source, programs):
+    """The pages of the site as Sphinx reads them."""
+    files = [file for file in (ROOT / "docs").rglob("*") if file.is_file() and "site" not in file.relative_to(ROOT).parts]
+    for file in [*files, *(ROOT / name for name in AT_THE_TOP)]:
+        path = file.relative_to(ROOT)
+        target = source / place(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if file.suffix == ".md":
+            text = reference.with_parts(file.read_text(encoding="utf-8"), programs)
+            target.write_text(with_links_of_the_site(text, path), encoding="utf-8")
+        else:
+            shutil.copyfile(file, target)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Makes the site of docs/")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--build", type=Path, required=True, help="where the programs were built")
+    arguments = parser.parse_args()
+    try:
+        from sphinx.cmd.build import main as sphinx
+    except ImportError:
+        print("c3rt: error: Sphinx is missing: pip install --requirement docs/site/requirements.txt", file=sys.stderr)
+        return 2
+    with tempfile.TemporaryDirectory() as scratch:
+        source, made = Path(scratch) / "source", Path(scratch) / "made"
+        gather(source, arguments.build)
+        status = sphinx(["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent),
+                         "-d", str(Path(scratch) / "trees"), str(source), str(made)])
+        if status:
+            return 1
+        # whole or not at all: who reads the old one keeps it until the new one is there
+        shutil.rmtree(arguments.out, ignore_errors=True)
+        arguments.out.parent.mkdir(parents=True, exist_ok=True)
+        shutil.move(made, arguments.out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
