@@ -64,6 +64,7 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         source, made = Path(scratch) / "source", Path(scratch) / "made"
         gather(source, arguments.build)
+        print(f"{len(list(source.rglob('*.md')))} pages", flush=True)
         status = sphinx(["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent),
                          "-d", str(Path(scratch) / "trees"), str(source), str(made)])
         if status:

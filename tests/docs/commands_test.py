@@ -20,6 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SKIPPED = 77
 DOMAIN = 100 + os.getpid() % 100
+PATIENCE = 240  # of a busy machine, for one block [s]
 
 
 def blocks_of(text):
@@ -61,16 +62,20 @@ def shims(folder, arguments):
 
 def run(block, folder, environment):
     """Its status and what it prints; whatever it started in the background ends with it."""
-    process = subprocess.Popen(["bash", "-e", "-c", block], cwd=folder, env=environment, text=True, stdin=subprocess.DEVNULL,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
-    try:
-        printed, _ = process.communicate(timeout=240)
-        return process.returncode, printed
-    finally:
+    with tempfile.TemporaryFile("w+") as printed:  # no pipe: what is in the background would keep it open
+        process = subprocess.Popen(["bash", "-e", "-c", block], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                                   stdout=printed, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            status = process.wait(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            status = f"none after {PATIENCE} s"
         try:
             os.killpg(process.pid, signal.SIGKILL)
         except ProcessLookupError:
             pass
+        process.wait()
+        printed.seek(0)
+        return status, printed.read()
 
 
 def follow(blocks, folder, environment, page):

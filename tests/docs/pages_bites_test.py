@@ -80,6 +80,11 @@ class Commands(unittest.TestCase):
         self.assertTrue(commands_test.is_printed("one\n...\nthree\n", "zero\none\ntwo\nthree\nfour\n"))
         self.assertFalse(commands_test.is_printed("one\nthree\n", "one\ntwo\nthree\n"))
 
+    def test_what_runs_in_the_background_ends_with_its_block(self):
+        status, said = self.outcome("```sh\nsleep 1000 &\nfalse\n```\n")
+        self.assertEqual(status, 1)
+        self.assertIn("ended with status 1", said)
+
     def test_a_page_without_commands_is_refused(self):
         self.assertEqual(self.outcome("# Page\n\n    indented\n")[0], 1)
 
