@@ -1,13 +1,8 @@
 #include "cli/client.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <functional>
 #include <optional>
-#include <thread>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,108 +13,50 @@
 #include "cli/run.hpp"
 #include "config/scenario.hpp"
 #include "controller/planner/target.hpp"
-#include "controller/rt/periodic_clock.hpp"
+#include "idl/client/client.hpp"
 #include "idl/convert.hpp"
 #include "idl/faults.hpp"
-#include "idl/process.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-using std::chrono::milliseconds;
+constexpr double kReply = 10.0;    // until a process must have answered [s]
+constexpr double kPresence = 0.5;  // in which a process that runs tells its status [s]
 
-constexpr double kDiscovery = 3.0;  // until a peer must have been found [s]
-constexpr double kPresence = 0.5;   // in which a process that runs tells its status [s]
-constexpr double kReply = 10.0;     // until a process must have answered [s]
-
-/// Looks every 10 ms. @return false when the time is over or a stop was requested
-bool wait_until(double seconds, const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!condition()) {
-    if (wire::StopFlag::requested() || std::chrono::steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(milliseconds(10));
-  }
-  return true;
+wire::Process asked(const wire::TaskTarget&) { return c3rt_v2_PROCESS_PLANNER; }
+template <typename T>
+wire::Process asked(const T& sample) {
+  return sample.process;
 }
 
-/// Whether the process tells its status.
-bool speaks(wire::Bus& bus, wire::Process process) {
-  wire::Reader<wire::ServiceStatus> reader(bus, 64);
-  return wait_until(kPresence, [&] {
-    wire::ServiceStatus status{};
-    bool heard = false;
-    while (reader.take(status)) heard = heard || status.process == process;
-    return heard;
-  });
-}
-
-/// A sample that is answered: written to whoever listens, and the reply printed.
+/// Asks all before one has to answer, and prints the answers. @return an exit status
 template <typename T>
-class Question {
- public:
-  explicit Question(const Seat& seat) : seat_(seat), bus_(bus_settings(seat)) {}
-
-  /// @return false, and says so, where nobody takes it
-  bool find_peers() {
-    if (wait_until(kDiscovery, [this] {
-          return writer_.matched_readers() > 0 && replies_.matched_writers() > 0;
-        })) {
-      std::this_thread::sleep_for(milliseconds(200));  // others may be discovered a moment later
-      return true;
-    }
-    fmt::print(stderr, "c3rt: error: nobody listens to {} on domain {}; is an instance up{}?\n",
-               wire::topic<T>().name, seat_.domain,
-               seat_.dds_profile == "loopback" ? " (of another host: --dds lan)" : "");
-    return false;
+int ask(const Seat& seat, const std::vector<T>& samples) {
+  client::Client client(bus_settings(seat));
+  std::vector<std::optional<client::Reply>> replies;
+  try {
+    replies = client.ask(samples, kReply);
+  } catch (const client::NobodyListens& error) {
+    fmt::print(stderr, "c3rt: error: {}; is an instance up{}?\n", error.what(),
+               seat.dds_profile == "loopback" ? " (of another host: --dds lan)" : "");
+    return kProcessFailed;
   }
-  /// Asks all before one has to answer. @return an exit status
-  int ask(std::vector<std::pair<T, wire::Process>> samples) {
-    const auto first_id = static_cast<std::uint64_t>(rt::now_ns());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      samples[i].first.request_id = first_id + i;
-      if (!writer_.write(samples[i].first, rt::now_ns())) {
-        fmt::print(stderr, "c3rt: error: {} could not be sent\n", wire::topic<T>().name);
-        return kProcessFailed;
-      }
+  int exit_status = kDone;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const char* process = wire::process_name(asked(samples[i]));
+    if (!replies[i]) {
+      const auto heard = client.status(kPresence);
+      const bool there = heard[static_cast<std::size_t>(asked(samples[i]))].has_value();
+      fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n", process, kReply,
+                 there ? "" : ", and nothing is heard of it on service/status: it does not run");
+      exit_status = kProcessFailed;
+      continue;
     }
-    std::vector<std::optional<wire::ServiceReply>> replies(samples.size());
-    wait_until(kReply, [&] {
-      wire::ServiceReply reply{};
-      while (replies_.take(reply)) {
-        const std::uint64_t i = reply.request_id - first_id;
-        if (i < replies.size()) replies[i] = reply;
-      }
-      return std::all_of(replies.begin(), replies.end(),
-                         [](const auto& answer) { return answer.has_value(); });
-    });
-    int exit_status = kDone;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const char* process = wire::process_name(samples[i].second);
-      if (!replies[i]) {
-        const bool there = speaks(bus_, samples[i].second);
-        fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n", process, kReply,
-                   there ? "" : ", and nothing is heard of it on service/status: it does not run");
-        exit_status = kProcessFailed;
-        continue;
-      }
-      fmt::print(replies[i]->ok ? stdout : stderr, "{}: {}\n", process,
-                 config::printable(replies[i]->text, sizeof replies[i]->text));
-      if (!replies[i]->ok) exit_status = std::max<int>(exit_status, kCriterionFailed);
-    }
-    return exit_status;
+    fmt::print(replies[i]->ok ? stdout : stderr, "{}: {}\n", process,
+               config::printable(replies[i]->text, replies[i]->text.size()));
+    if (!replies[i]->ok) exit_status = std::max<int>(exit_status, kCriterionFailed);
   }
-
- private:
-  const Seat& seat_;
-  wire::Bus bus_;
-  wire::Writer<T> writer_{bus_};
-  wire::Reader<wire::ServiceReply> replies_{bus_};
-};
-
-template <typename T>
-int ask(const Seat& seat, const T& sample, wire::Process process) {
-  Question<T> question(seat);
-  return question.find_peers() ? question.ask({{sample, process}}) : kProcessFailed;
+  return exit_status;
 }
 
 /// That of the instance on this domain; nothing where none of this user runs, or where it cannot be
@@ -162,43 +99,21 @@ wire::BusSettings bus_settings(const Seat& seat) {
   return bus;
 }
 
-Services listen(wire::Bus& bus, double seconds) {
-  wire::Reader<wire::ServiceStatus> reader(bus, 64);
-  Services services;
-  const std::uint64_t session = bus.session_id();
-  wait_until(seconds, [&] {
-    wire::ServiceStatus status{};
-    while (reader.take(status)) {
-      const auto process = static_cast<std::size_t>(status.process);
-      // what an older instance left behind is no word of this one; who plays a process may know
-      // none
-      const std::uint64_t theirs = status.header.session_id;
-      const bool ours = session == 0 || theirs == 0 || theirs == session;
-      if (ours && process < services.size()) services[process] = status;
-    }
-    return std::count_if(services.begin(), services.end(),
-                         [](const auto& s) { return s.has_value(); }) == 4;
-  });
-  return services;
-}
-
 bool in_service(const wire::ServiceStatus& status) {
   return status.state == c3rt_v2_SERVICE_RUNNING || status.state == c3rt_v2_SERVICE_DEGRADED;
 }
 
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v2_RequestVerb verb) {
-  Question<wire::ServiceRequest> question(seat);
-  if (!question.find_peers()) return kProcessFailed;
   // that the arm follows again is the work of all of them
-  std::vector<std::pair<wire::ServiceRequest, wire::Process>> wanted;
+  std::vector<wire::ServiceRequest> wanted;
   for (const wire::Process process : processes) {
     wire::ServiceRequest sample{};
     sample.process = process;
     sample.verb = verb;
-    wanted.emplace_back(sample, process);
+    wanted.push_back(sample);
   }
-  return question.ask(std::move(wanted));
+  return ask(seat, wanted);
 }
 
 int inject(const Seat& seat, wire::FaultInject fault) {
@@ -206,7 +121,7 @@ int inject(const Seat& seat, wire::FaultInject fault) {
   const std::string refused =
       wire::refusal(fault, scenario ? fault_scope(*scenario) : wire::FaultScope{});
   if (!refused.empty()) throw UsageError("fault: " + refused);
-  return ask(seat, fault, fault.process);
+  return ask(seat, std::vector{fault});
 }
 
 int set_target(const Seat& seat, const task::Request& request) {
@@ -216,7 +131,7 @@ int set_target(const Seat& seat, const task::Request& request) {
     const std::string refused =
         scenario ? planner::refusal(target, planner::target_limits(scenario->planner)) : "";
     if (!refused.empty()) throw task::RequestError(refused);
-    return ask(seat, wire::task_target(request), c3rt_v2_PROCESS_PLANNER);
+    return ask(seat, std::vector{wire::task_target(request)});
   } catch (const task::RequestError& error) {
     throw UsageError(std::string("target: ") + error.what());
   }

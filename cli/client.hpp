@@ -20,10 +20,6 @@ struct Seat {
 /// where none of this user runs.
 wire::BusSettings bus_settings(const Seat& seat);
 
-/// The newest words of every process that speaks within the time given; returns early once four
-/// have spoken.
-Services listen(wire::Bus& bus, double seconds);
-
 /// The process does its work, well or not so well.
 bool in_service(const wire::ServiceStatus& status);
 

@@ -21,6 +21,7 @@
 #include "cli/paths.hpp"
 #include "cli/table.hpp"
 #include "config/text.hpp"
+#include "idl/client/client.hpp"
 #include "idl/discovery.hpp"
 #include "idl/process.hpp"
 
@@ -232,7 +233,7 @@ int print_topics(const Seat& seat, bool peers) {
                  config::printable(endpoint.host), endpoint.qos);
     }
   }
-  fmt::print("{}", service_table(listen(bus, 0.5)));
+  fmt::print("{}", service_table(client::listen(bus, 0.5)));
   for (const wire::PeerProblem& problem : bus.problems())
     fmt::print("  problem: {}\n", config::printable(problem.text, 500));
   return kDone;

@@ -21,6 +21,7 @@
 #include "cli/run.hpp"
 #include "cli/table.hpp"
 #include "cli/watch.hpp"
+#include "idl/client/client.hpp"
 #include "idl/process.hpp"
 #include "idl/security.hpp"
 
@@ -110,7 +111,7 @@ int up(const LaunchSettings& settings, const std::vector<std::string>& serve_arg
     }
     // one bus for all looks: where it is secure, processes take a second and more to trust it
     if (!bus) bus.emplace(bus_settings(seat));
-    const Services services = listen(*bus, 1.0);
+    const Services services = client::listen(*bus, 1.0);
     missing = not_in_service(services, settings);
     if (missing.empty()) {
       fmt::print("{} is up (pid {}, domain {}, logs in {}/logs)\n{}", instance->scenario, pid,
@@ -186,7 +187,7 @@ int status(const Seat& seat) {
   wire::Bus bus(settings);
   // processes on a busy machine take seconds to trust a new participant
   const bool secure = wire::is_secure(read_text(settings.profile_uri));
-  const Services services = listen(bus, secure ? kListenWithKeys : kListen);
+  const Services services = client::listen(bus, secure ? kListenWithKeys : kListen);
   const bool any =
       std::any_of(services.begin(), services.end(), [](const auto& s) { return s.has_value(); });
   if (instance) {

@@ -1,8 +1,9 @@
 # One object of several, with the names that the package promises and no others: what is inline or a template (Eigen's,
 # the standard library's) must not be merged with the caller's, who compiles with other flags, nor OSQP with another OSQP.
-#   cmake -DLINKER= -DOBJCOPY= -DNM= -DINPUTS=list -DARCHIVES=list -DBY_CALLER=bool -DOUTPUT= -P isolate.cmake
+#   cmake -DLINKER= -DOBJCOPY= -DNM= -DINPUTS=list -DARCHIVES=list -DBY_CALLER=bool -DTYPES=bool -DOUTPUT= -P isolate.cmake
 # ARCHIVES: what the inputs need of them goes in, too. BY_CALLER: the inputs (not the archives) allocate by the functions of
-# eigen_abi.hpp.
+# eigen_abi.hpp. TYPES: callers derive from its classes and catch its errors, so their type information is promised as well,
+# and the types of the IDL, whose names are C's.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE error)
   if(NOT status EQUAL 0)
@@ -27,7 +28,11 @@ endif()
 run(${NM} --defined-only --extern-only --format=posix ${whole})
 # a strong symbol of ours: code, data, constants, zeros; weak and unique ones (V, W, u) are what everybody has of his own
 string(REGEX MATCHALL "_Z[A-Za-z0-9_]*4c3rt[A-Za-z0-9_.]* [TDRB] " promised "${output}")
-string(REGEX REPLACE " [TDRB] " "" promised "${promised}")
+if(TYPES)
+  string(REGEX MATCHALL "_ZT[IS]N4c3rt[A-Za-z0-9_]* V |\nc3rt_[A-Za-z0-9_]+ [TDRB] " types "${output}")
+  list(APPEND promised ${types})
+endif()
+string(REGEX REPLACE "\n| [TDRBV] " "" promised "${promised}")
 list(JOIN promised "\n" promised)
 file(WRITE ${OUTPUT}.names "${promised}\n")
 string(REGEX MATCHALL "[A-Za-z0-9_.]+ u " unique "${output}")

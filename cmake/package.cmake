@@ -1,5 +1,6 @@
-# What find_package(c3rt) gives: the pure libraries and their headers. A consumer needs only Eigen, with whatever
-# flags. Installed alone by: cmake --install <build> --component library
+# What find_package(c3rt) gives: the pure libraries and their headers, for which a consumer needs only Eigen, with whatever
+# flags; and with COMPONENTS client what takes part in the bus, on Cyclone DDS. Installed alone by:
+# cmake --install <build> --component library
 include(CheckCXXSourceCompiles)
 include(CMakePackageConfigHelpers)
 
@@ -37,30 +38,37 @@ configure_file(${PROJECT_SOURCE_DIR}/cmake/eigen_abi.hpp.in ${PROJECT_BINARY_DIR
 install(FILES ${PROJECT_BINARY_DIR}/package/eigen_abi.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/controller
   COMPONENT library)
 
-# c3rt_export(ROOM HEADERS file... [DEPS room...] [ARCHIVES file...]): the target c3rt::ROOM of the package, its public
-# headers, and archives that it is to hold what it needs of
-function(c3rt_export room)
-  cmake_parse_arguments(arg "" "" "HEADERS;DEPS;ARCHIVES" ${ARGN})
+# c3rt_package_archive(ROOM BY_CALLER bool TYPES bool OBJECTS file... [ARCHIVES file...]): the target c3rt::ROOM of the package, and
+# archives that it is to hold what it needs of
+function(c3rt_package_archive room)
+  cmake_parse_arguments(arg "" "BY_CALLER;TYPES" "OBJECTS;ARCHIVES" ${ARGN})
   set(object ${PROJECT_BINARY_DIR}/package/${room}.o)
   add_custom_command(OUTPUT ${object}
     COMMAND ${CMAKE_COMMAND} -DLINKER=${CMAKE_LINKER} -DOBJCOPY=${CMAKE_OBJCOPY} -DNM=${CMAKE_NM}
-      "-DINPUTS=$<TARGET_OBJECTS:c3rt_${room}>" "-DARCHIVES=${arg_ARCHIVES}" -DBY_CALLER=${allocates_by_caller}
+      "-DINPUTS=${arg_OBJECTS}" "-DARCHIVES=${arg_ARCHIVES}" -DBY_CALLER=${arg_BY_CALLER} -DTYPES=${arg_TYPES}
       -DOUTPUT=${object} -P ${PROJECT_SOURCE_DIR}/cmake/isolate.cmake
-    DEPENDS $<TARGET_OBJECTS:c3rt_${room}> ${arg_ARCHIVES} ${PROJECT_SOURCE_DIR}/cmake/isolate.cmake VERBATIM)
+    DEPENDS ${arg_OBJECTS} ${arg_ARCHIVES} ${PROJECT_SOURCE_DIR}/cmake/isolate.cmake VERBATIM)
   set_source_files_properties(${object} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
   add_library(c3rt_package_${room} STATIC ${object})
   set_target_properties(c3rt_package_${room} PROPERTIES
     EXPORT_NAME ${room} OUTPUT_NAME c3rt_${room} LINKER_LANGUAGE CXX
     ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/package)
+  target_include_directories(c3rt_package_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(c3rt_package_${room} INTERFACE cxx_std_17)
+  install(TARGETS c3rt_package_${room} EXPORT c3rtTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+endfunction()
+
+# c3rt_export(ROOM HEADERS file... [DEPS room...] [ARCHIVES file...]): a room of controller/ and its public headers
+function(c3rt_export room)
+  cmake_parse_arguments(arg "" "" "HEADERS;DEPS;ARCHIVES" ${ARGN})
+  c3rt_package_archive(${room} BY_CALLER ${allocates_by_caller} TYPES 0 OBJECTS $<TARGET_OBJECTS:c3rt_${room}>
+    ARCHIVES ${arg_ARCHIVES})
   list(TRANSFORM arg_DEPS PREPEND c3rt_package_)
   target_link_libraries(c3rt_package_${room} INTERFACE ${arg_DEPS} Eigen3::Eigen)
   if(arg_ARCHIVES)
     target_link_libraries(c3rt_package_${room} INTERFACE m dl)
   endif()
-  target_include_directories(c3rt_package_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_compile_features(c3rt_package_${room} INTERFACE cxx_std_17)
-  install(TARGETS c3rt_package_${room} EXPORT c3rtTargets
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
   c3rt_export_headers(${room} HEADERS ${arg_HEADERS})
 endfunction()
 
@@ -88,6 +96,21 @@ c3rt_export(model HEADERS ball_model.hpp balls_model.hpp between.hpp block_error
   scene)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
 
+# the client: its room and all that it stands on, in one archive. No header of it names Eigen
+set(objects "")
+foreach(room client wire topic_types rt)
+  list(APPEND objects $<TARGET_OBJECTS:c3rt_${room}>)
+endforeach()
+c3rt_package_archive(client BY_CALLER 0 TYPES 1 OBJECTS ${objects})
+target_link_libraries(c3rt_package_client INTERFACE CycloneDDS::ddsc pthread dl)
+foreach(header client/client.hpp client/motion.hpp client/planner.hpp dds.hpp topics.hpp validate.hpp)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/idl/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/idl/${folder} COMPONENT library)
+endforeach()
+# the types of the IDL
+get_target_property(types c3rt_topic_types BINARY_DIR)
+install(FILES ${types}/c3rt.h ${types}/c3rt_fields.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
+
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/c3rt)
 install(EXPORT c3rtTargets NAMESPACE c3rt:: DESTINATION ${package_directory} COMPONENT library)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/c3rtConfig.cmake.in ${PROJECT_BINARY_DIR}/c3rtConfig.cmake
@@ -98,5 +121,5 @@ install(FILES ${PROJECT_BINARY_DIR}/c3rtConfig.cmake ${PROJECT_BINARY_DIR}/c3rtC
 # builds what the component holds, from objects that the programs have anyway
 add_custom_target(library
   DEPENDS c3rt_package_lcs c3rt_package_qp c3rt_package_c3 c3rt_package_horizon c3rt_package_scene c3rt_package_model
-    c3rt_package_example)
+    c3rt_package_example c3rt_package_client)
 add_dependencies(programs library)

@@ -64,6 +64,26 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
+struct Profile {
+  std::string name, text;
+  std::string uri;  // what Cyclone takes for it
+};
+
+/// @param profile a file or, as it begins with <, its text
+Profile read_profile(const std::string& profile) {
+  if (profile.rfind('<', 0) == 0) return {"DDS profile", profile, profile};
+  const std::string name = "DDS profile " + profile;
+  std::error_code error;
+  const auto path = std::filesystem::canonical(profile, error);
+  if (error) throw ProfileError(name + ": " + error.message());
+  const auto size = std::filesystem::file_size(path, error);
+  if (error || size == 0 || size > kLargestProfile) {
+    throw ProfileError(name + ": expected a file of 1 to " + std::to_string(kLargestProfile) +
+                       " bytes, got " + (error ? error.message() : std::to_string(size)));
+  }
+  return {name, text_of(path), "file://" + path.string()};
+}
+
 /// Cyclone's state of one domain in this process, configured by a file and shared by every Bus on
 /// it.
 class Domain {
@@ -74,19 +94,10 @@ class Domain {
     const std::lock_guard lock(mutex());
     Shared& shared = domains()[id_];
     if (shared.users == 0) {
-      std::error_code error;
-      const auto path = std::filesystem::canonical(profile, error);
-      if (error) throw ProfileError("DDS profile " + profile + ": " + error.message());
-      const auto size = std::filesystem::file_size(path, error);
-      if (error || size == 0 || size > kLargestProfile) {
-        throw ProfileError("DDS profile " + profile + ": expected a file of 1 to " +
-                           std::to_string(kLargestProfile) + " bytes, got " +
-                           (error ? error.message() : std::to_string(size)));
-      }
-      const std::string text = text_of(path);
-      shared.secure = is_secure(text);
+      const Profile chosen = read_profile(profile);
+      shared.secure = is_secure(chosen.text);
       const std::string configuration =
-          shared.secure ? with_keys(text, keys_directory(), identity) : "file://" + path.string();
+          shared.secure ? with_keys(chosen.text, keys_directory(), identity) : chosen.uri;
       const Complaints complaints;
       shared.handle = dds_create_domain(id_, configuration.c_str());
       // somebody else in this process may already use the domain, with a configuration of its own
@@ -99,8 +110,7 @@ class Domain {
               "as many programs use the domain as the profile allows (MaxAutoParticipantIndex; "
               "119 with the profile loopback): end some, or use another domain";
         }
-        throw ProfileError("DDS profile " + profile + ", domain " + std::to_string(id_) + ": " +
-                           reason);
+        throw ProfileError(chosen.name + ", domain " + std::to_string(id_) + ": " + reason);
       }
     }
     // Cyclone has one configuration for a domain in a process
@@ -248,7 +258,7 @@ struct Bus::Implementation {
     if (domain->secure()) complaints.emplace();
     const dds_entity_t handle = dds_create_participant(settings.domain, nullptr, nullptr);
     if (handle < 0 && complaints) {
-      throw ProfileError("DDS profile " + settings.profile_uri + ": the keys of " +
+      throw ProfileError(read_profile(settings.profile_uri).name + ": the keys of " +
                          settings.identity + " in " + keys_directory().string() +
                          " were refused: " + complaints->first() +
                          "; c3rt keys check says what is wrong with them");

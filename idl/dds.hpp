@@ -39,7 +39,7 @@ std::shared_ptr<Exchange> make_exchange();
 
 struct BusSettings {
   std::uint32_t domain = 0;
-  std::string profile_uri;  // a file of config/dds/, given to Cyclone; empty: the environment's
+  std::string profile_uri;  // a file as those of config/dds/, or its text; empty: the environment's
                             // CYCLONEDDS_URI
   /// Whose keys this bus shows where the profile is secure (security.hpp): "planner"; of every
   /// command and program that is no process, "client".

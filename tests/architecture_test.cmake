@@ -44,6 +44,7 @@ may(vision controller/base controller/scene vision/track vision/tag plant_emulat
 may(plant_emulator controller/base controller/scene controller/mjcf)
 may(config controller/base)
 may(idl controller/base controller/rt controller/scene controller/task config)
+may(idl/client idl controller/base controller/rt controller/task)
 may(cli/report cli controller/base controller/task plant_emulator)
 may(cli/example cli cli/report controller/example controller/model plant_emulator)
 may(cli/campaign cli cli/report cli/example config controller/base)
@@ -56,9 +57,9 @@ may(cli/soak cli cli/report cli/recording cli/invariants config idl controller/b
 may(cli/chaos cli cli/report cli/recording cli/invariants cli/soak config idl controller/base controller/rt controller/task)
 may(cli/replay cli cli/recording config idl controller/base controller/rt plant_emulator)
 may(cli/keys cli idl)
-may(cli/doctor cli cli/keys config idl)
+may(cli/doctor cli cli/keys config idl idl/client)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/recording cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos cli/replay config idl controller/base controller/rt controller/task
+may(cli cli/report cli/recording cli/example cli/campaign cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos cli/replay config idl idl/client controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 may(python cli cli/recording config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
 

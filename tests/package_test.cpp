@@ -72,13 +72,24 @@ TEST_CASE("package: programs with any flags build, run and print the same bits")
     CHECK(text.find(C3RT_SOURCE_DIRECTORY) == std::string::npos);
     CHECK(text.find(C3RT_BINARY_DIRECTORY) == std::string::npos);
   }
+  const std::string flags =
+      " -DCMAKE_PREFIX_PATH=" + quoted(prefix) + " " + std::string(C3RT_CONSUMER_FLAGS);
   const std::vector<std::string> consumers = words(C3RT_CONSUMERS);
   std::string list;
   for (const std::string& one : consumers) list += one + ";";
   succeed(cmake + " -S " + quoted(fs::path(C3RT_SOURCE_DIRECTORY) / "tests/package") + " -B " +
-          quoted(consumer) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix) + " '-Dconsumers=" + list +
-          "' " + C3RT_CONSUMER_FLAGS);
+          quoted(consumer) + " '-Dconsumers=" + list + "'" + flags);
   succeed(cmake + " --build " + quoted(consumer));
+
+  // a client, and the example of a planner of one's own
+  const c3rt::support::Outcome refused_domain =
+      c3rt::support::outcome_of(quoted(consumer / "client") + " 231");
+  CHECK(refused_domain.output == "domain: expected 0 to 230, got 231\n");
+  const fs::path planner = scratch / "cpp_planner";
+  succeed(cmake + " -S " + quoted(fs::path(C3RT_SOURCE_DIRECTORY) / "examples/cpp_planner") +
+          " -B " + quoted(planner) + flags);
+  succeed(cmake + " --build " + quoted(planner));
+  succeed(quoted(planner / "cpp_planner") + " --help");
 
   std::string plain;
   for (const std::string& one : consumers) {

@@ -31,6 +31,7 @@
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
 #include "config/text.hpp"
+#include "idl/client/client.hpp"
 #include "idl/discovery.hpp"
 #include "idl/process.hpp"
 #include "idl/security.hpp"
@@ -223,7 +224,8 @@ std::string text(const wire::RefusedSamples& refused) {
 
 /// The four by the words of service/status, and who else writes.
 void look_at_processes(wire::Bus& bus, Facts& facts) {
-  const Services services = listen(bus, facts.instance.empty() ? kListen : kListenToInstance);
+  const Services services =
+      client::listen(bus, facts.instance.empty() ? kListen : kListenToInstance);
   const std::vector<Neighbour> writers = neighbours(bus, kLookForNeighbours);
   for (ProcessFacts& process : facts.processes) {
     for (int i = 0; i < wire::kProcessCount; ++i) {

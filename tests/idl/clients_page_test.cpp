@@ -33,8 +33,8 @@ TEST_CASE("clients page: every topic's row has its type and the QoS of our write
 
 TEST_CASE("clients page: the programs on it are those that are installed") {
   const std::string page = read("docs/clients.md");
-  for (const char* program :
-       {"docs/clients/client.py", "docs/clients/reader.py", "docs/clients/reader.cpp"}) {
+  for (const char* program : {"docs/clients/client.py", "docs/clients/client.cpp",
+                              "docs/clients/reader.py", "docs/clients/reader.cpp"}) {
     std::istringstream lines(read(program));
     std::string listing;
     for (std::string line; std::getline(lines, line);)
