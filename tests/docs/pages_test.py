@@ -4,6 +4,7 @@ say of pages is so. Needs nothing but Python 3: the site's own check (./c3rt doc
 
     pages_test.py ROOT
 """
+import fnmatch
 import os
 import re
 import sys
@@ -37,11 +38,13 @@ def links(text):
     return re.findall(r"\]\((?![a-z]+:)([^)#\s]*)(?:#([^)\s]*))?\)", without_code(text))
 
 
-def files_of(root, pattern):
-    hidden = {"build", ".git", "out"}
-    for file in root.rglob(pattern):
-        if not hidden & set(file.relative_to(root).parts):
-            yield file
+def files_of(root, *patterns):
+    """The files that a person wrote: nothing that was built or left by a run."""
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(name for name in folders if name not in ("build", "out", ".git"))
+        for name in sorted(names):
+            if any(fnmatch.fnmatch(name, pattern) for pattern in patterns):
+                yield Path(folder) / name
 
 
 def problems_of(root):
@@ -60,13 +63,12 @@ def problems_of(root):
     for page in files_of(root / "docs", "*.md"):
         if page != front and os.path.normpath(page) not in listed:
             found.append(f"docs/index.md: {page.relative_to(root)} is not on it")
-    for pattern in SOURCES:
-        for file in files_of(root, pattern):
-            if file.name == HISTORY or file.parent == root / "tests/docs":
-                continue
-            for named in set(re.findall(r"\bdocs/[a-z0-9_/-]+\.md\b", file.read_text(encoding="utf-8", errors="replace"))):
-                if not (root / named).exists():
-                    found.append(f"{file.relative_to(root)}: names {named}, which is not there")
+    for file in files_of(root, *SOURCES):
+        if file.name == HISTORY or file.parent == root / "tests/docs":
+            continue
+        for named in set(re.findall(r"\bdocs/[a-z0-9_/-]+\.md\b", file.read_text(encoding="utf-8", errors="replace"))):
+            if not (root / named).exists():
+                found.append(f"{file.relative_to(root)}: names {named}, which is not there")
     return found
 
 
