@@ -6,9 +6,11 @@
 Every link is checked; the first that leads nowhere ends it with status 1. Needs what requirements.txt names.
 """
 import argparse
+import importlib.util
 import os
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -56,18 +58,20 @@ def main():
     parser.add_argument("out", type=Path)
     parser.add_argument("--build", type=Path, required=True, help="where the programs were built")
     arguments = parser.parse_args()
-    try:
-        from sphinx.cmd.build import main as sphinx
-    except ImportError:
+    if importlib.util.find_spec("sphinx") is None:
         print("c3rt: error: Sphinx is missing: pip install --requirement docs/site/requirements.txt", file=sys.stderr)
         return 2
     with tempfile.TemporaryDirectory() as scratch:
         source, made = Path(scratch) / "source", Path(scratch) / "made"
         gather(source, arguments.build)
         print(f"{len(list(source.rglob('*.md')))} pages", flush=True)
-        status = sphinx(["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent),
-                         "-d", str(Path(scratch) / "trees"), str(source), str(made)])
-        if status:
+        sphinx = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "--color" if sys.stderr.isatty() else "--no-color",
+                                 "-c", Path(__file__).parent, "-d", Path(scratch) / "trees", source, made], stderr=subprocess.PIPE, text=True)
+        # mistakes by the names that the pages have in the repository
+        for name in AT_THE_TOP:
+            sphinx.stderr = sphinx.stderr.replace(f"{source}/{name}", name)
+        sys.stderr.write(sphinx.stderr.replace(f"{source}/", "docs/"))
+        if sphinx.returncode:
             return 1
         # whole or not at all: who reads the old one keeps it until the new one is there
         shutil.rmtree(arguments.out, ignore_errors=True)

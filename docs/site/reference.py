@@ -35,6 +35,8 @@ def subcommands(text):
 
 def commands(build):
     program = build / "bin" / "c3rt"
+    if not program.exists():
+        raise SystemExit(f"reference.py: {program} is not there: ./c3rt build")
 
     def section(words):
         text = help_of(program, words)
