@@ -181,33 +181,44 @@ def python(build):
 # ---- C++, from the headers that are installed
 
 def declarations(text):
-    """What stands at the left edge with a /// comment above it, up to its body or semicolon."""
+    """What stands at the left edge: types with what is public of them, functions with a /// comment above them."""
+    text = re.sub(r"^namespace (\w*detail) \{.*?^\}  // namespace \1$", "", text, flags=re.MULTILINE | re.DOTALL)
     found, comment, lines = [], [], text.splitlines()
-    for i, line in enumerate(lines):
+    at = 0
+    while at < len(lines):
+        line, begin = lines[at], at
+        at += 1
         if line.startswith("///"):
             comment.append(line)
-        elif comment:
-            if line and not line.startswith((" ", "#", "}")):
-                words = []
-                for more in lines[i:i + 8]:
-                    words.append(more.rstrip())
-                    if re.search(r"[;{]", more):
-                        break
-                found.append("\n".join(comment) + "\n" + re.sub(r"\s*\{[^;]*$", ";", "\n".join(words)))
-            comment = []
+            continue
+        head = lines[at] if line.startswith("template") and at < len(lines) else line
+        if re.match(r"(struct|class|enum)\b", head) and not re.search(r"\w;$", head):  # no forward declaration
+            while not line.endswith("};") and lines[at - 1] != "};":
+                at += 1
+            body = lines[begin:at]
+            if " private:" in body:
+                body = "\n".join(body[:body.index(" private:")]).rstrip().splitlines() + ["};"]
+            found.append("\n".join(comment + body))
+        elif comment and line and not line.startswith((" ", "#", "}")):
+            while not re.search(r"[;{]", lines[at - 1]) and at < len(lines):
+                at += 1
+            found.append("\n".join(comment) + "\n" + re.sub(r"\s*\{.*$", ";", "\n".join(lines[begin:at])))
+        comment = []
     return found
 
 
 def cpp(_build):
     out = []
     text = (ROOT / "cmake/package.cmake").read_text(encoding="utf-8")
-    for room, words in re.findall(r"^c3rt_export(?:_headers)?\((\w+)\s+HEADERS\s+([^)]*)\)", text, re.MULTILINE):
-        headers = [word for word in words.split() if word.endswith(".hpp")]
+    rooms = [(room, "controller/" + room, words)
+             for room, words in re.findall(r"^c3rt_export(?:_headers)?\((\w+)\s+HEADERS\s+([^)]*)\)", text, re.MULTILINE)]
+    rooms.append(("client", "idl/client", "client.hpp planner.hpp motion.hpp"))
+    for room, folder, words in rooms:
         out += [f"## c3rt::{room}", ""]
-        for header in headers:
-            shown = declarations((ROOT / "controller" / room / header).read_text(encoding="utf-8"))
+        for header in (word for word in words.split() if word.endswith(".hpp")):
+            shown = declarations((ROOT / folder / header).read_text(encoding="utf-8"))
             if shown:
-                out += [f"### controller/{room}/{header}", "", fence("cpp", "\n\n".join(shown))]
+                out += [f"### {folder}/{header}", "", fence("cpp", "\n\n".join(shown))]
     return "\n".join(out)
 
 

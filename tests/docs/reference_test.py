@@ -52,7 +52,9 @@ class Reference(unittest.TestCase):
 
     def test_what_a_header_says_of_its_solver_is_there(self):
         made = reference.cpp(BUILD)
-        self.assertIn("/// Settings of Algorithm 1. Counts alone decide the answer: no time limit is in here.\nstruct Settings;", made)
+        self.assertNotIn("private:", made)
+        self.assertIn("\n## c3rt::client\n", made)
+        self.assertIn("/// Settings of Algorithm 1. Counts alone decide the answer: no time limit is in here.\nstruct Settings {\n  int admm_iterations;", made)
 
     def test_every_mark_of_a_page_names_a_part(self):
         marks = []
