@@ -68,7 +68,8 @@ struct InProcess::Implementation {
                      log),
         vision_seat(settings, c3rt_v2_PROCESS_VISION, vision::fault_scope(s.vision),
                     base::nanoseconds(1.0 / s.vision.rate), log),
-        plant(plant_seat.bus, plant_seat.endpoint, s.plant, s.vision.rate, seed) {
+        plant_node(s.plant, s.vision.rate, seed),
+        plant(plant_seat.bus, plant_seat.endpoint, plant_node) {
     for (const wire::Process process :
          {c3rt_v2_PROCESS_IMPEDANCE, c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION})
       start(process);
@@ -133,7 +134,7 @@ struct InProcess::Implementation {
   void advance() {
     now_ns += plant::kCycleNs;  // time begins at one cycle: 0 means "none" in a stamp
     exchange->arrive(now_ns);
-    if (now_ns == plant::kCycleNs) plant.start(now_ns);
+    if (now_ns == plant::kCycleNs) plant.send(plant_node.start(now_ns), now_ns);
     wire::Sequences newest{};
     written(newest);
     if (due(impedance_seat, now_ns, newest)) {
@@ -157,6 +158,7 @@ struct InProcess::Implementation {
   const std::uint64_t seed;
   const std::shared_ptr<wire::Exchange> exchange;
   Seat plant_seat, impedance_seat, planner_seat, vision_seat;
+  plant::Node plant_node;
   plant::Service plant;
   std::optional<Impedance> impedance;
   std::optional<planner::Service> planner;
@@ -185,7 +187,7 @@ std::uint64_t InProcess::bus_of(wire::Process process) const {
 }
 void InProcess::restart(wire::Process process) { implementation_->start(process); }
 
-const plant::Node& InProcess::plant() const { return implementation_->plant.node(); }
+const plant::Node& InProcess::plant() const { return implementation_->plant_node; }
 const planner::Node& InProcess::planner() const { return implementation_->planner->node(); }
 const impedance::Node& InProcess::impedance() const {
   return implementation_->impedance->servo.node();

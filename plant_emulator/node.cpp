@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::int64_t kScenePeriodNs = 10'000'000;  // truth for the recorder, beside the exposures
 
-constexpr std::int64_t kContactPeriodNs = 10'000'000;
-
 /// Something began or ended between the two.
 bool changed(const wire::RobotContact& a, const State& b) noexcept {
   return a.joint_contact != b.contacts.joint || a.cartesian_contact != b.contacts.cartesian ||
@@ -23,11 +21,24 @@ bool changed(const wire::RobotContact& a, const State& b) noexcept {
 
 }  // namespace
 
+bool ContactReport::due(std::int64_t now_ns, const State& state,
+                        wire::RobotContact& sample) noexcept {
+  const bool news = changed(sample, state);
+  if (!schedule_.due(now_ns) && !news) return false;
+  wire::fill_robot_contact(sample, state);
+  return true;
+}
+
+void RobotNode::count(Mode mode) noexcept {
+  if (mode == Mode::kReflex && mode_ != Mode::kReflex) ++counters_.reflexes;
+  counters_.moving_cycles = mode == Mode::kMove ? counters_.moving_cycles + 1 : 0;
+  mode_ = mode;
+}
+
 Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed)
     : plant_(drawn_start(parameters, seed)),
       exposure_(base::nanoseconds(1.0 / exposure_rate)),
       scene_(kScenePeriodNs),
-      contact_(kContactPeriodNs),
       pushes_(drawn_pushes(parameters.pushes, static_cast<int>(parameters.world.objects.size()),
                            seed)) {
   // what MuJoCo warns about becomes a named error of the robot; it shall not write a log file of
@@ -71,10 +82,7 @@ const Node::Output& Node::step(std::int64_t now_ns, const wire::RobotCommand* co
   for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)
     obey({OrderKind::kPushObject, pushes_[pushed_].object, 0.0, pushes_[pushed_].impulse});
   plant_.step_1ms();
-  const Mode mode = plant_.state().mode;
-  if (mode == Mode::kReflex && mode_ != Mode::kReflex) ++counters_.reflexes;
-  counters_.moving_cycles = mode == Mode::kMove ? counters_.moving_cycles + 1 : 0;
-  mode_ = mode;
+  count(plant_.state().mode);
   return observe(now_ns);
 }
 
@@ -85,9 +93,7 @@ const Node::Output& Node::observe(std::int64_t now_ns) noexcept {
   const bool exposure = exposure_.due(now_ns);
   output_.scene_due = scene_.due(now_ns) || exposure;
   if (exposure) ++counters_.exposures;
-  const bool news = changed(output_.contact, state);
-  output_.contact_due = contact_.due(now_ns) || news;
-  if (output_.contact_due) wire::fill_robot_contact(output_.contact, state);
+  output_.contact_due = contact_.due(now_ns, state, output_.contact);
   if (output_.scene_due) {
     wire::fill_scene(output_.scene, state);
     output_.scene.exposure = exposure;

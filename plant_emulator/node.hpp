@@ -1,8 +1,10 @@
 #pragma once
 // The robot, the table and what lies on it, on the types of the wire: one command in, state and
-// scene out, once per cycle. No bus, no clock, no thread: service.hpp has those.
+// scene out, once per cycle. No bus, no clock, no thread: service.hpp has those. What another robot
+// would be in its place is a RobotNode, too: examples/real_robot.
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "idl/topics.hpp"
@@ -28,7 +30,18 @@ class Schedule {
   std::int64_t next_ns_ = 0;
 };
 
-class Node {
+/// When robot/contact is due: every 10 ms, and when something began or ended.
+class ContactReport {
+ public:
+  /// @return whether it is, with the sample filled. RT: no heap, no lock, no throw.
+  bool due(std::int64_t now_ns, const State& state, wire::RobotContact& sample) noexcept;
+
+ private:
+  Schedule schedule_{10'000'000};
+};
+
+/// A robot, with or without a world around it.
+class RobotNode {
  public:
   struct Output {
     wire::RobotState state{};
@@ -42,33 +55,60 @@ class Node {
     int moving_cycles = 0;  // in a row
   };
 
-  /// @param exposure_rate of the cameras [1/s]
-  /// @throws as Plant
-  Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed);
+  RobotNode() = default;
+  virtual ~RobotNode() = default;
+  RobotNode(const RobotNode&) = delete;
+  RobotNode& operator=(const RobotNode&) = delete;
 
   // all of them RT: no heap, no throw
 
   /// What a client asked for, from the next step on. A stall is the process's affair.
-  void obey(const Order& order) noexcept;
-  /// What is now, before the first step.
-  const Output& start(std::int64_t now_ns) noexcept { return observe(now_ns); }
+  virtual void obey(const Order& order) noexcept = 0;
   /// One cycle of the robot, which ends at now_ns. Valid until the next one.
   /// @param command that has come since; nullptr: none
-  const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept;
+  virtual const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept = 0;
+
+  virtual const State& state() const noexcept = 0;
+  /// It stopped because commands were missing, and moves by itself once they come again.
+  virtual bool waits_for_commands() const noexcept = 0;
+  /// Why it has not this fault; empty: it has. From any thread.
+  virtual std::string refusal(OrderKind) const { return ""; }
+  const Counters& counters() const noexcept { return counters_; }
+
+ protected:
+  /// Of a cycle that has ended in this mode.
+  void count(Mode mode) noexcept;
+  Counters counters_;
+
+ private:
+  Mode mode_ = Mode::kIdle;
+};
+
+/// The emulated one.
+class Node final : public RobotNode {
+ public:
+  /// @param exposure_rate of the cameras [1/s]
+  /// @throws as Plant
+  Node(const Parameters& parameters, double exposure_rate, std::uint64_t seed);
+
+  void obey(const Order& order) noexcept override;
+  /// What is now, before the first step. RT: no heap, no throw.
+  const Output& start(std::int64_t now_ns) noexcept { return observe(now_ns); }
+  const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept override;
+  const State& state() const noexcept override { return plant_.state(); }
+  bool waits_for_commands() const noexcept override { return plant_.waits_for_commands(); }
 
   const Plant& plant() const noexcept { return plant_; }
-  const Counters& counters() const noexcept { return counters_; }
 
  private:
   const Output& observe(std::int64_t now_ns) noexcept;
 
   Plant plant_;
-  Schedule exposure_, scene_, contact_;
+  Schedule exposure_, scene_;
+  ContactReport contact_;
   std::vector<Push> pushes_;  // of the scenario
   std::size_t pushed_ = 0;
   double nan_until_ = 0.0;  // [s]
-  Mode mode_ = Mode::kIdle;
-  Counters counters_;
   Output output_;
 };
 

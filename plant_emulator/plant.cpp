@@ -252,10 +252,7 @@ void Plant::judge() noexcept {
   judge_contacts(state_.external, parameters_.safety.collision, state_.contacts, findings);
   if (parameters_.torque_jump_stops && events_.command && !by_motion_)
     judge_torque_step(state_.tau, command_, parameters_.limits.tau_rate_max, kCycle, findings);
-  if (!events_.command && lost_in_a_row_ + 1 >= kLostCommandsMax)
-    findings.add({Error::kCommunicationConstraintsViolation, 0,
-                  static_cast<double>(lost_in_a_row_ + 1), static_cast<double>(kLostCommandsMax),
-                  "commands lost in a row"});
+  watch_.judge(events_.command, findings);
   note(findings);
 }
 
@@ -269,32 +266,11 @@ void Plant::judge_guiding() noexcept {
   }
 }
 
-void Plant::count_command(bool received) noexcept {
-  received_[static_cast<std::size_t>(window_at_)] = received;
-  window_at_ = (window_at_ + 1) % kSuccessWindow;
-  if (window_ < kSuccessWindow) ++window_;
-  lost_in_a_row_ = received ? 0 : lost_in_a_row_ + 1;
-  if (!received) ++state_.lost_commands;
-}
-
-bool Plant::commands_are_back() noexcept {
-  if (!waits_for_commands()) back_ = missing_ = 0;
-  if (events_.command) {
-    ++back_;
-  } else if (back_ > 0 && ++missing_ >= kLostCommandsMax + back_ / 2) {
-    back_ = missing_ = 0;
-  }
-  return waits_for_commands() && back_ >= kCommandsToRecover;
-}
-
 void Plant::enter(ModeState next_mode) noexcept {
   const double change = brake_share(next_mode.mode) - brake_share(mode_.mode);
   if (change != 0.0) Eigen::Map<Vector7d>(model_->dof_damping) += change * kBrakeDamping;
   if (change > 0.0) holding_ = false;
-  if (mode_.mode != Mode::kMove && next_mode.mode == Mode::kMove) {
-    received_.reset();
-    window_ = window_at_ = lost_in_a_row_ = 0;
-  }
+  if (mode_.mode != Mode::kMove && next_mode.mode == Mode::kMove) watch_.begin();
   if (next_mode.mode != Mode::kMove) by_motion_ = false;
   const bool stopped_now = mode_.errors == 0 || mode_.mode == Mode::kGuiding;
   if (stopped_now && next_mode.mode == Mode::kReflex && events_.errors != 0) state_.cause = found_;
@@ -309,7 +285,7 @@ void Plant::step_1ms() noexcept {
   if (by_motion_) follow_motion();
   if (mode_.mode == Mode::kMove) judge();
   if (mode_.mode == Mode::kGuiding) judge_guiding();
-  events_.recover = commands_are_back() || events_.recover;
+  events_.recover = watch_.back(events_.command, waits_for_commands()) || events_.recover;
   const bool command = events_.command;
   enter(next(mode_, events_));
   events_ = {};
@@ -317,15 +293,15 @@ void Plant::step_1ms() noexcept {
 
   Vector7d tau;
   if (mode_.mode == Mode::kMove) {
-    count_command(command);
+    watch_.count(command);
+    state_.lost_commands = watch_.lost();
     if (command && !by_motion_) {
       state_.command_seq = newest_seq_;
       state_.command_state_ns = newest_state_ns_;
     }
     tau = by_motion_ ? motion_torque() : command_torque();
   } else {
-    window_ = 0;
-    received_.reset();
+    watch_.rest();
     tau = brake_torque();
   }
   apply_pull();
@@ -430,8 +406,7 @@ void Plant::read() noexcept {
       Eigen::Quaterniond(Eigen::Matrix3d(Eigen::Map<const Rotation>(data_->site_xmat + 9 * site_)));
   s.mode = mode_.mode;
   s.errors = mode_.errors;
-  s.command_success_rate =
-      window_ > 0 ? static_cast<double>(received_.count()) / static_cast<double>(window_) : 0.0;
+  s.command_success_rate = watch_.success_rate();
   for (int i = 0; i < s.object_count; ++i) {
     scene::Body& object = s.objects[static_cast<std::size_t>(i)];
     const double* q = data_->qpos + kJoints + 7 * i;

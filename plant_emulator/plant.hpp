@@ -2,7 +2,6 @@
 // The robot's 1 kHz interface, of torques or of motions, on the simulated scene. No network, no
 // clock, no files.
 #include <array>
-#include <bitset>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -11,16 +10,13 @@
 #include <Eigen/Geometry>
 
 #include "controller/scene/scene.hpp"
+#include "plant_emulator/command_watch.hpp"
 #include "plant_emulator/guard.hpp"
 #include "plant_emulator/mode.hpp"
 #include "plant_emulator/motion.hpp"
 #include "plant_emulator/parameters.hpp"
 
 namespace c3rt::plant {
-
-constexpr int kLostCommandsMax = 20;     // in a row, then the robot stops
-constexpr int kCommandsToRecover = 200;  // two of three have come, then it moves again by itself
-constexpr int kSuccessWindow = 100;      // cycles of command_success_rate
 
 /// Whether whole steps of the integration fill a cycle.
 bool divides_cycle(double step) noexcept;
@@ -117,8 +113,6 @@ class Plant {
   Vector7d torque_of(const Vector7d& acceleration) noexcept;  // without gravity [N m]
   Vector7d brake_torque() noexcept;
   Vector7d gravity_torque() noexcept;
-  void count_command(bool received) noexcept;
-  bool commands_are_back() noexcept;
   void enter(ModeState next_mode) noexcept;
   void substep(const Vector7d& tau) noexcept;
   void read() noexcept;
@@ -150,11 +144,7 @@ class Plant {
   MotionCommand motion_;  // newest accepted
   std::uint64_t newest_motion_seq_ = 0;
   MotionGenerator generator_;
-  int lost_in_a_row_ = 0;
-  int back_ = 0, missing_ = 0;  // commands since they came again after a reflex
-  std::bitset<kSuccessWindow> received_;
-  int window_ = 0;  // cycles counted in received_, at most kSuccessWindow
-  int window_at_ = 0;
+  CommandWatch watch_;
   Vector7d hold_q_;
   bool holding_ = true;  // at rest; false while the brake still stops the arm
   double drop_until_ = 0.0;

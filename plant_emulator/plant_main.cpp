@@ -90,13 +90,14 @@ std::vector<wire::Process> expected_processes(const std::vector<std::string>& na
   return processes;
 }
 
-std::string run_lockstep(wire::Bus& bus, Service& service, wire::StatusReporter& status,
+std::string run_lockstep(wire::Bus& bus, Node& node, Service& service, wire::StatusReporter& status,
                          const std::vector<std::string>& expect) {
   auto& factor = status.counter("real_time_factor_1e3");
   wire::LockstepMaster master(bus, expected_processes(expect), kJoinTimeoutNs);
   const std::int64_t start_ns = rt::now_ns();
   std::uint64_t cycles = 0;
-  service.start(kCycleNs);  // time begins at one cycle: 0 means "none" in a stamp
+  service.send(node.start(kCycleNs),
+               kCycleNs);  // time begins at one cycle: 0 means "none" in a stamp
   for (std::int64_t now_ns = kCycleNs; master.advance(now_ns); now_ns += kCycleNs) {
     const std::int64_t begin_ns = rt::now_ns();
     service.serve(now_ns);
@@ -127,13 +128,14 @@ int run(int argc, char** argv) {
                             spdlog::log(attention ? spdlog::level::warn : spdlog::level::info, "{}",
                                         said);
                           });
-  Service service(bus, endpoint, scenario.plant, scenario.vision.rate, options->seed);
+  Node node(scenario.plant, scenario.vision.rate, options->seed);
+  Service service(bus, endpoint, node);
   spdlog::info("start scenario={} clock={} session={} step_s={} objects={}", scenario.name,
                lockstep ? "lockstep" : "realtime", settings.session_id, scenario.plant.world.step,
                scenario.plant.world.objects.size());
-  const std::string failure = lockstep
-                                  ? run_lockstep(bus, service, endpoint.status(), options->expect)
-                                  : run_realtime(bus, service, endpoint.status());
+  const std::string failure =
+      lockstep ? run_lockstep(bus, node, service, endpoint.status(), options->expect)
+               : run_realtime(bus, service, endpoint.status());
   if (!failure.empty()) {
     spdlog::error("stop: {}", failure);
     return config::kFailedWhileRunning;

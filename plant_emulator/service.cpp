@@ -41,11 +41,10 @@ wire::FaultScope fault_scope(const Parameters& parameters) {
   return scope;
 }
 
-Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
-                 double exposure_rate, std::uint64_t seed)
+Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, RobotNode& node)
     : endpoint_(endpoint),
       realtime_(bus.clock() == wire::ClockMode::kRealtime),
-      node_(parameters, exposure_rate, seed),
+      node_(node),
       commands_(bus),
       states_(bus),
       scenes_(bus),
@@ -66,7 +65,7 @@ void Service::step(std::int64_t at_ns, std::int64_t now_ns) noexcept {
   while (orders_.take(order)) obey(order);
   // a robot follows what has reached it, in simulated time what is in effect
   const bool came = realtime_ ? commands_.take(command_) : commands_.take(at_ns, command_);
-  const Node::Output& out = node_.step(now_ns, came ? &command_ : nullptr);
+  const RobotNode::Output& out = node_.step(now_ns, came ? &command_ : nullptr);
   show();
   send(out, now_ns);
 }
@@ -76,15 +75,15 @@ void Service::obey(const Order& order) noexcept {
   if (order.kind == OrderKind::kStall) stall(order.duration);
 }
 
-void Service::send(const Node::Output& out, std::int64_t now_ns) noexcept {
+void Service::send(const RobotNode::Output& out, std::int64_t now_ns) noexcept {
   states_.put(out.state, now_ns);
   if (out.scene_due) scenes_.put(out.scene, now_ns);
   if (out.contact_due) contacts_.put(out.contact, now_ns);
 }
 
 void Service::show() noexcept {
-  const State& s = node_.plant().state();
-  const Node::Counters& counters = node_.counters();
+  const State& s = node_.state();
+  const RobotNode::Counters& counters = node_.counters();
   const auto set = [](std::atomic<std::uint64_t>& counter, std::uint64_t value) {
     counter.store(value, std::memory_order_relaxed);
   };
@@ -108,7 +107,7 @@ void Service::show() noexcept {
   shown_cause_.unit.store(s.cause.unit, std::memory_order_relaxed);
   shown_errors_.store(s.errors, std::memory_order_release);
   shown_mode_.store(s.mode, std::memory_order_release);
-  shown_waiting_.store(node_.plant().waits_for_commands(), std::memory_order_relaxed);
+  shown_waiting_.store(node_.waits_for_commands(), std::memory_order_relaxed);
 }
 
 void Service::serve(std::int64_t now_ns) {
@@ -119,7 +118,10 @@ void Service::serve(std::int64_t now_ns) {
     return verb == c3rt_v2_REQUEST_RECOVER ? recovered(late) : stopped(late);
   });
   endpoint_.serve_faults(now_ns, [this](const wire::FaultInject& fault) {
-    return std::string(orders_.put(order_of(fault)) ? "" : "too many faults at once");
+    const Order order = order_of(fault);
+    std::string refused = node_.refusal(order.kind);
+    if (!refused.empty()) return refused;
+    return std::string(orders_.put(order) ? "" : "too many faults at once");
   });
   const Mode mode = shown_mode_.load();
   const bool well = mode == Mode::kIdle || mode == Mode::kMove;
@@ -170,7 +172,10 @@ std::string Service::mode_text() const {
     case Mode::kMove:
       return "follows commands";
     case Mode::kReflex:
-      return "reflex: " + names(shown_errors_.load()) + cause_text() +
+      return "reflex: " +
+             (shown_errors_.load() == 0 ? "of no error that has a name here, the log tells"
+                                        : names(shown_errors_.load())) +
+             cause_text() +
              (shown_waiting_.load() ? "; moves again once commands come steadily"
                                     : "; request recover");
     case Mode::kGuiding:

@@ -1,5 +1,5 @@
 #pragma once
-// The plant's node on a bus: its mailboxes, its clients, its status.
+// A robot's node on a bus, the emulated one or another: its mailboxes, its clients, its status.
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -16,21 +16,18 @@ wire::FaultScope fault_scope(const Parameters& parameters);
 /// One thread steps. Another one may serve clients: what they ask goes through a queue.
 class Service {
  public:
-  Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& parameters,
-          double exposure_rate, std::uint64_t seed);
+  Service(wire::Bus& bus, wire::Endpoint& endpoint, RobotNode& node);
 
-  /// Sends what is now, before the first step.
-  void start(std::int64_t now_ns) noexcept { send(node_.start(now_ns), now_ns); }
+  /// Before the first step: what is now.
+  void send(const RobotNode::Output& out, std::int64_t now_ns) noexcept;
   /// Obeys clients, takes the command that is in effect at `at_ns` (realtime: the newest), moves on
   /// by one cycle, and sends what is at now_ns. RT (realtime): no heap, no lock, no throw.
   void step(std::int64_t at_ns, std::int64_t now_ns) noexcept;
   /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
   void serve(std::int64_t now_ns);
-  const Node& node() const noexcept { return node_; }
 
  private:
   void obey(const Order& order) noexcept;
-  void send(const Node::Output& out, std::int64_t now_ns) noexcept;
   void show() noexcept;
   std::optional<wire::Answer> order(c3rt_v2_RequestVerb verb);
   std::optional<wire::Answer> stopped(bool late) const;
@@ -40,7 +37,7 @@ class Service {
 
   wire::Endpoint& endpoint_;
   const bool realtime_;
-  Node node_;
+  RobotNode& node_;
   wire::Inlet<wire::RobotCommand> commands_;
   wire::Outlet<wire::RobotState> states_;
   wire::Outlet<wire::Scene> scenes_;
