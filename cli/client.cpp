@@ -103,6 +103,10 @@ bool in_service(const wire::ServiceStatus& status) {
   return status.state == c3rt_v2_SERVICE_RUNNING || status.state == c3rt_v2_SERVICE_DEGRADED;
 }
 
+bool has_come_up(const wire::ServiceStatus& status, bool without_plant) {
+  return in_service(status) || (without_plant && status.state == c3rt_v2_SERVICE_STARTING);
+}
+
 int request(const Seat& seat, const std::vector<wire::Process>& processes,
             c3rt_v2_RequestVerb verb) {
   // that the arm follows again is the work of all of them

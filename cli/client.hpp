@@ -22,6 +22,8 @@ wire::BusSettings bus_settings(const Seat& seat);
 
 /// The process does its work, well or not so well.
 bool in_service(const wire::ServiceStatus& status);
+/// It has come up as far as it can: without a plant it waits for one.
+bool has_come_up(const wire::ServiceStatus& status, bool without_plant);
 
 /// Sends a request to each of these processes in turn and prints their replies. @return an exit
 /// status

@@ -69,7 +69,7 @@ void Keeper::hear(double now) {
   int count = 0;
   for (const wire::ServiceStatus& each : heard_) {
     const bool ours = !launch_.leaves_out(wire::process_name(each.process));
-    count += each.pid != 0 && ours && in_service(each) ? 1 : 0;
+    count += each.pid != 0 && ours && has_come_up(each, launch_.leaves_out("plant")) ? 1 : 0;
   }
   came_up_ = came_up_ || count >= launch_.process_count();
   if (robot_well()) well_at_ = now;

@@ -31,6 +31,8 @@ wire::BusSettings bus_settings(const LaunchSettings& settings) {
   if (!settings.in_process) keys::require_keys(bus.profile_uri, keys::identity_names());
   bus.clock = settings.lockstep ? wire::ClockMode::kLockstep : wire::ClockMode::kRealtime;
   bus.session_id = settings.session != 0 ? settings.session : wire::draw_session();
+  // the session is the plant's to draw: the others take it from there
+  if (settings.leaves_out("plant")) bus.session_id = 0;
   return bus;
 }
 
@@ -114,9 +116,10 @@ ChildSpec Launch::spec_of(const std::string& name, bool recorded) const {
                     file_.string(),
                     "--clock=" + std::string(settings_.clock_name()),
                     "--seed=" + std::to_string(settings_.seed),
-                    "--session=" + std::to_string(bus_.session_id),
                     "--domain=" + std::to_string(bus_.domain),
                     "--dds-profile=" + bus_.profile_uri};
+  if (bus_.session_id != 0)
+    spec.arguments.push_back("--session=" + std::to_string(bus_.session_id));
   for (const std::string& assignment : settings_.overrides)
     spec.arguments.push_back("--set=" + assignment);
   if (spec.name == "plant" && settings_.lockstep) {

@@ -67,6 +67,7 @@ struct LaunchOptions {
     settings.domain = settings.any_domain ? 0 : static_cast<std::uint32_t>(std::stoul(domain_));
     if (duration_s > 0.0)
       settings.overrides.push_back(fmt::format("task.duration_s={}", duration_s));
+    if (settings.leaves_out("plant")) require_no_simulation(verb);
     return settings;
   }
 
@@ -75,9 +76,10 @@ struct LaunchOptions {
     command
         .add_option("--without", settings.without,
                     "Leaves a process out, which a client plays: planner, vision or impedance "
-                    "(docs/clients.md); several with a comma between them")
+                    "(docs/clients.md), up also plant (docs/real_robot.md); several with a comma "
+                    "between them")
         ->delimiter(',')
-        ->check(one_of({"planner", "vision", "impedance"}));
+        ->check(one_of({"planner", "vision", "impedance", "plant"}));
   }
 
   /// Of c3rt run, soak and chaos.
@@ -130,6 +132,15 @@ struct LaunchOptions {
   }
 
  private:
+  void require_no_simulation(const std::string& verb) const {
+    if (verb == "run") {
+      throw UsageError(
+          "--without plant: c3rt run judges by the simulation's truth, which no robot tells: c3rt "
+          "up, and c3rt record (docs/real_robot.md)");
+    }
+    if (settings.lockstep)
+      throw UsageError("--without plant: in lockstep the plant's simulated time drives all");
+  }
   void refuse_what_needs_a_bus() const {
     for (const char* option : {"--domain", "--dds"}) {
       if (command_->count(option) > 0)

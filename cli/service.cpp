@@ -77,8 +77,9 @@ std::string not_in_service(const Services& services, const LaunchSettings& setti
   std::string names;
   for (int i = 0; i < wire::kProcessCount; ++i) {
     const std::string name = wire::process_name(static_cast<wire::Process>(i));
+    const auto& status = services[static_cast<std::size_t>(i)];
     if (i == c3rt_v2_PROCESS_RECORDER || settings.leaves_out(name) ||
-        is_up(services[static_cast<std::size_t>(i)]))
+        (status && has_come_up(*status, settings.leaves_out("plant"))))
       continue;
     names += (names.empty() ? "" : ", ") + name;
   }
