@@ -38,6 +38,7 @@ const Examples kExamples{
     {"up",
      {{"c3rt up circle_slow", "returns once every process runs"},
       {"c3rt up circle_vision --profile secure", "nobody without keys: see c3rt keys init"},
+      {"c3rt up circle_slow --without plant,vision", "for a real robot and its camera"},
       {"c3rt up circle_vision --domain 3 --out out/service", "a second one beside it"}}},
     {"serve",
      {{"c3rt serve circle_slow", "until Ctrl-C or SIGTERM"},

@@ -140,3 +140,25 @@ TEST_CASE("package: programs with any flags build, run and print the same bits")
     CHECK_THAT(refused.output, Catch::Contains("c3rt: ") && Catch::Contains(message));
   }
 }
+
+TEST_CASE("package: a door to a robot builds outside of the project") {
+  const fs::path build_tree(C3RT_BINARY_DIRECTORY), scratch = build_tree / "package_door_test";
+  const fs::path prefix = scratch / "prefix", door = scratch / "examples/real_robot";
+  fs::remove_all(scratch);
+  const std::string cmake = std::string("'") + C3RT_CMAKE + "'";
+  for (const std::string component : {"library", "door"}) {
+    succeed(cmake + " --install " + quoted(build_tree) + " --component " + component +
+            " --prefix " + quoted(prefix));
+  }
+  // where no source of ours can stand in for a header that the package lacks
+  fs::create_directories(door);
+  fs::copy(fs::path(C3RT_SOURCE_DIRECTORY) / "examples/real_robot", door);
+  succeed(cmake + " -S " + quoted(door) + " -B " + quoted(scratch / "build") +
+          " -DCMAKE_PREFIX_PATH=" + quoted(prefix) + " " + C3RT_CONSUMER_FLAGS);
+  succeed(cmake + " --build " + quoted(scratch / "build"));
+  const c3rt::support::Outcome answer = c3rt::support::outcome_of(
+      quoted(scratch / "build/panda_plant") +
+      " '" C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml' --robot=172.16.0.2");
+  CHECK(answer.status == 2);
+  CHECK_THAT(answer.output, Catch::Contains("without libfranka"));
+}
