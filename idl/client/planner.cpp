@@ -58,10 +58,11 @@ wire::BusSettings bus_of(const PlannerPlace& place) {
   return settings;
 }
 
-wire::Loop::Settings pace(double rate) {
+wire::Loop::Settings pace(double rate, wire::StatusReporter& status) {
   wire::Loop::Settings settings{c3rt_v2_PROCESS_PLANNER, base::nanoseconds(1.0 / rate)};
   settings.join_timeout_ns = kForever_ns;
   settings.gone_timeout_ns = kGone_ns;
+  settings.wakeup_latency = &status.wakeup_latency();
   return settings;
 }
 
@@ -97,7 +98,7 @@ class Planner::Part {
   // looked at, never taken from: who writes ticks is in lockstep
   wire::Reader<wire::Tick> ticks_{bus_, 1, wire::Wakes::kItself, c3rt_v2_PROCESS_PLANNER};
   wire::Writer<wire::Plan> plans_{bus_};
-  wire::Loop loop_{bus_, pace(planner_.settings_.rate)};
+  wire::Loop loop_{bus_, pace(planner_.settings_.rate, endpoint_.status())};
   std::atomic<std::uint64_t>& sent_ = endpoint_.status().counter("plans");
   std::atomic<std::uint64_t>& overruns_ = endpoint_.status().counter("overruns");
 
