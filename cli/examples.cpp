@@ -147,6 +147,17 @@ const Examples kExamples{
       {"c3rt campaign circle_fast --seeds 1..20 --in-process", "the same figures, sooner"},
       {"c3rt campaign circle_slow --seeds 1,5,9..12 --set planner.rate_hz=50 --out out/slow50", ""},
       {"c3rt campaign circle_fast --seeds 1..200 --engine dask --address tcp://host:8786", ""}}},
+    {"tune",
+     {{"c3rt tune circle_fast --log planner.weights.roll.Q.ball_xy=1e4..1e7 --log "
+       "planner.weights.roll.G.x,planner.weights.roll.G.u=1e-4..1 --minimise loop_times_s.median",
+       ""},
+      {"c3rt tune circle_fast --linear planner.c3.rho_scale=1..5 --whole "
+       "planner.c3.admm_iterations=1..5 --minimise judged.rms_error_m --seeds 101..108",
+       ""}}},
+    {"gap",
+     {{"c3rt gap pivoting", "40 control steps: median, 90 % and worst above the optimum"},
+      {"c3rt gap pivoting --polish 60", "with c3.polish"},
+      {"c3rt gap problem.json --limit 10", "one problem of one's own"}}},
     {"reproduce",
      {{"c3rt reproduce table3", "the projections on the cart-pole, seconds"},
       {"c3rt reproduce table1 --miqp-limit 60", "with an hour's patience for the MIQP"},

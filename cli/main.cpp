@@ -23,6 +23,7 @@
 #include "cli/client.hpp"
 #include "cli/doctor/options.hpp"
 #include "cli/examples.hpp"
+#include "cli/gap/gap.hpp"
 #include "cli/inspect.hpp"
 #include "cli/keys/options.hpp"
 #include "cli/latency/options.hpp"
@@ -40,6 +41,7 @@
 #include "cli/service.hpp"
 #include "cli/soak/soak.hpp"
 #include "cli/solve.hpp"
+#include "cli/tune/options.hpp"
 #include "cli/view.hpp"
 #include "controller/task/registry.hpp"
 #include "controller/task/request.hpp"
@@ -107,6 +109,8 @@ class CommandLine {
     add_view();
     add_library();
     add_campaign();
+    add_tune();
+    add_gap();
     add_reproduce();
   }
 
@@ -570,6 +574,43 @@ class CommandLine {
         campaign_);
   }
 
+  void add_tune() {
+    cli::tune::add_options(
+        *command(app_, "tune", "Finds numbers of a scenario by CMA-ES, judged on other seeds",
+                 [this] { return cli::tune::run(tune_, &wire::StopFlag::requested); }),
+        tune_);
+  }
+
+  void add_gap() {
+    CLI::App* gap =
+        command(app_, "gap", "How far C3's plans are from the optimum of the whole problem",
+                [this] { return cli::gap::run(gap_, &wire::StopFlag::requested); });
+    gap->add_option("what", gap_.what,
+                    "A problem file (.json), or a numerical example's name or file, whose trial is "
+                    "run")
+        ->required();
+    gap->add_option("--states", gap_.states, "Control steps of the example's trial")
+        ->check(cli::whole(1, 100000))
+        ->capture_default_str();
+    gap->add_option("--set", gap_.overrides, "Overrides one key of the example: section.key=value")
+        ->expected(1)
+        ->take_all();
+    gap->add_option("--polish", gap_.polish,
+                    "QPs that polish each plan, in place of what scenario or problem say")
+        ->check(cli::whole(0, 10000));
+    gap->add_option("--seed", gap_.seed, "Of the trial")
+        ->check(cli::whole(0, std::numeric_limits<long long>::max()))
+        ->capture_default_str();
+    gap->add_option("--limit", gap_.limit_s, "Time of each exact search [s]")
+        ->check(cli::number(0.001, kLongest))
+        ->capture_default_str();
+    gap->add_option("--relative-gap", gap_.relative_gap,
+                    "Between a plan and a proven bound that counts as the optimum")
+        ->check(cli::number(1e-7, 1.0))
+        ->capture_default_str();
+    gap->add_option("--out", gap_.out, "Folder of results; default: out/gap-NAME");
+  }
+
   void add_reproduce() {
     CLI::App* reproduce = command(
         app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
@@ -727,6 +768,8 @@ class CommandLine {
   cli::soak::Settings soak_;
   cli::chaos::Settings chaos_;
   cli::campaign::Settings campaign_;
+  cli::tune::Settings tune_;
+  cli::gap::Settings gap_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;
   cli::doctor::Settings doctor_;

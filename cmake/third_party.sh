@@ -88,7 +88,7 @@ if [[ ! -f $pinocchio_stamp ]]; then
   touch "$pinocchio_stamp"
 fi
 # Packages of Python, of which each version is one file: cyclonedds for the test of a client in Python, mcap and what it needs
-# for the test of recordings, mujoco for a planner of examples/, the others to build and test python/. Nothing else here needs them; without them those tests are skipped and the extension is left out.
+# for the test of recordings, mujoco for a planner of examples/, cmaes for c3rt tune, the others to build and test python/. Nothing else here needs them; without them those tests are skipped and the extension is left out.
 python_packages="
 cyclonedds==11.0.1 --hash=sha256:dce635041d42e954a5fec187dabf99d4b36c9daa54cc97d6d2238985e3ef6101
 nanobind==3.1.0 --hash=sha256:96984dbe8154ffb86e653b1b60aaeed6985c710c5e75ad0279eb87943c66292d
@@ -111,6 +111,7 @@ gymnasium==1.4.0 --hash=sha256:1cb947c59e7c72d8eabb2c2274c00cd20948e69f8452a9ef4
 farama-notifications==0.0.6 --hash=sha256:f84839188efa1ce5bb361c2a84881b2dc2c0d0d7fb661ff00421820170930935
 cloudpickle==3.1.3 --hash=sha256:1654f4f18e416447210a63c5c25a135d65a292156aa5fa519dfa4baf7726dddb
 typing-extensions==4.16.0 --hash=sha256:481caa481374e813c1b176ada14e97f1f67a4539ce9cfeb3f350d78d6370c2e8
+cmaes==0.13.1 --hash=sha256:659881b1d574adf0b378448821e3da24a4f7b7a1989640cd902000c567897db5
 mujoco==3.3.2 --hash=sha256:f7e19ef4ded262d9ff454ac9346203dcb35a6f794e7d9406ee803f1c73702560
 "
 # another list is another stamp; what is there already stays

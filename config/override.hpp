@@ -10,4 +10,7 @@ namespace c3rt::config {
 /// @throws ConfigError for what is no key=value, an unknown key, a value that is not YAML
 void apply_override(Tree& root, const std::string& file, const std::string& text);
 
+/// The value that such a path means, or none.
+const Tree* value_at(const Tree& root, const std::string& path);
+
 }  // namespace c3rt::config

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/campaign/python.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
@@ -27,30 +28,6 @@ constexpr double kAnswer = 60.0;        // of a helper program, on a cold disk [
 constexpr double kWorkersGrace = 30.0;  // the runs on the workers end first [s]
 constexpr const char* kPrograms[] = {"c3rt", "c3rt-plant", "c3rt-impedance", "c3rt-planner",
                                      "c3rt-vision"};
-
-fs::path bridge() {
-  const fs::path here = binary_directory();
-  for (const fs::path& candidate :
-       {here / "../share/c3rt/dask_runs.py", here / "../../../cli/campaign/dask_runs.py"}) {
-    if (fs::is_regular_file(candidate)) return fs::weakly_canonical(candidate);
-  }
-  throw UsageError("dask_runs.py is not beside this program's other files");
-}
-
-/// A Python that has Dask: C3RT_PYTHON, that of the PATH, or Debian's.
-std::string python() {
-  const char* chosen = std::getenv("C3RT_PYTHON");
-  std::vector<std::string> candidates{"python3", "/usr/bin/python3"};
-  if (chosen != nullptr) candidates = {chosen};
-  for (const std::string& candidate : candidates) {
-    if (run_program({candidate, "-c", "import distributed"}, "", kAnswer).ok()) return candidate;
-  }
-  std::string names;
-  for (const std::string& candidate : candidates) names += (names.empty() ? "" : ", ") + candidate;
-  throw UsageError("--engine dask: no Python with the package distributed (looked at: " + names +
-                   "); install it (Debian: python3-distributed; pip: distributed) or name a Python "
-                   "that has it in C3RT_PYTHON");
-}
 
 /// The full path of a program of the PATH, for exec.
 std::string found(const std::string& program) {
@@ -103,13 +80,14 @@ std::optional<JobEnd> end_of(const std::vector<Job>& jobs, std::size_t index) {
 
 void run_on_dask(const std::vector<Job>& jobs, const std::string& address, int at_once,
                  const Watch& watch) {
-  const std::string interpreter = found(python());
+  const std::string interpreter = found(python_with("--engine dask", "distributed", "distributed"));
   const fs::path folder = jobs.front().folder.parent_path();
   for (const Job& job : jobs) fs::remove(job.folder / "end.json");
   write_text(folder / "dask.json", order(jobs, address, at_once).dump(1) + "\n");
   Supervisor supervisor;
   supervisor.start({"dask",
-                    {interpreter, bridge().string(), (folder / "dask.json").string()},
+                    {interpreter, python_file("campaign", "dask_runs.py").string(),
+                     (folder / "dask.json").string()},
                     folder / "dask.log"});
   std::vector<std::size_t> waiting(jobs.size());
   for (std::size_t i = 0; i < waiting.size(); ++i) waiting[i] = i;

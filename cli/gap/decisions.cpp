@@ -1,0 +1,104 @@
+#include "cli/gap/decisions.hpp"
+
+#include <chrono>
+
+#include "cli/example/plants.hpp"
+#include "controller/lcs/simulate.hpp"
+
+namespace c3rt::cli::gap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Writes down what another controller decides.
+class Scribe final : public example::Controller {
+ public:
+  Scribe(const example::Experiment& experiment, example::Controller& controller,
+         std::vector<Decision>& decisions)
+      : experiment_(experiment), controller_(controller), decisions_(decisions) {}
+  void reset() override { controller_.reset(); }
+  const Eigen::MatrixXd* decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x, double t) override {
+    const Clock::time_point start = Clock::now();
+    const Eigen::MatrixXd* plan = controller_.decide(lcs, x, t);
+    Decision decision{t, {lcs}, x, {}, seconds_since(start)};
+    if (plan != nullptr) {
+      decision.u = *plan;
+      for (Eigen::Index k = 0; k < decision.u.cols(); ++k)
+        example::clip(experiment_, decision.u.col(k));
+    }
+    decisions_.push_back(decision);
+    return plan;
+  }
+
+ private:
+  const example::Experiment& experiment_;
+  example::Controller& controller_;
+  std::vector<Decision>& decisions_;
+};
+
+class UpTo final : public example::Observer {
+ public:
+  UpTo(const std::vector<Decision>& decisions, int count, const Stop& stop)
+      : decisions_(decisions), count_(static_cast<std::size_t>(count)), stop_(stop) {}
+  bool go_on(double) override { return decisions_.size() < count_ && !stop_(); }
+
+ private:
+  const std::vector<Decision>& decisions_;
+  std::size_t count_;
+  const Stop& stop_;
+};
+
+}  // namespace
+
+horizon::Problem Decisions::problem(std::size_t index) const {
+  const Decision& decision = all[index];
+  return {sizes,     {decision.lcs.data(), decision.lcs.size() == 1 ? 0 : 1},
+          &costs,    &constraints,
+          x_desired, decision.x0};
+}
+
+std::optional<horizon::Plan> Decisions::simulated(std::size_t index) const {
+  const Decision& decision = all[index];
+  if (decision.u.cols() == 0) return std::nullopt;
+  const lcs::Simulation simulation =
+      decision.lcs.size() == 1 ? lcs::simulate(decision.lcs.front(), decision.x0, decision.u)
+                               : lcs::simulate(decision.lcs, decision.x0, decision.u);
+  if (!simulation.report.ok()) return std::nullopt;
+  return horizon::roll_out(problem(index), simulation.lambda, decision.u);
+}
+
+Decisions of_problem(const config::ProblemFile& problem, const std::string& name) {
+  c3::Solver solver(problem.sizes, problem.settings);
+  solver.set_costs(problem.costs, problem.constraints);
+  const Clock::time_point start = Clock::now();
+  const c3::Solution& solution =
+      problem.lcs.size() == 1 ? solver.solve(problem.lcs.front(), problem.x0, problem.x_desired)
+                              : solver.solve(problem.lcs, problem.x0, problem.x_desired);
+  Decision decision{0.0, problem.lcs, problem.x0, {}, seconds_since(start)};
+  if (solution.status != c3::SolveStatus::kFailed)
+    decision.u = config::to_result(problem, solution, decision.solve_time_s).u;
+  return {name, problem.sizes, problem.costs, problem.constraints, problem.x_desired, {decision}};
+}
+
+Decisions of_example(const ExampleScenario& scenario, std::uint64_t seed, int count,
+                     const Stop& stop) {
+  const example::Experiment& experiment = scenario.experiment;
+  Decisions decisions{scenario.name,
+                      example::sizes(experiment),
+                      experiment.costs,
+                      experiment.constraints,
+                      experiment.x_desired.replicate(1, experiment.N + 1),
+                      {}};
+  example::C3Controller controller(experiment);
+  Scribe scribe(experiment, controller, decisions.all);
+  const std::unique_ptr<example::Plant> plant = make_plant(experiment);
+  UpTo observer(decisions.all, count, stop);
+  (void)example::run(experiment, seed, 0, scribe, *plant, &observer);
+  return decisions;
+}
+
+}  // namespace c3rt::cli::gap

@@ -1,0 +1,47 @@
+#pragma once
+// Plans that C3 made, each with the problem (15) that it was made for.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/example/scenario.hpp"
+#include "cli/progress.hpp"
+#include "config/problem_file.hpp"
+#include "controller/horizon/problem.hpp"
+
+namespace c3rt::cli::gap {
+
+struct Decision {
+  double t;                   // when it was made [s]
+  std::vector<lcs::Lcs> lcs;  // one for all stages, or N
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd u;  // (n_u × N) the plan, within its bounds; no column where there is no plan
+  double solve_time_s;
+};
+
+/// What its decisions have in common.
+struct Decisions {
+  std::string name;
+  c3::Sizes sizes;
+  c3::Costs costs;
+  c3::Constraints constraints;
+  Eigen::MatrixXd x_desired;  // (n_x × N+1)
+  std::vector<Decision> all;
+
+  /// @param index of the decision; this outlives the problem
+  horizon::Problem problem(std::size_t index) const;
+  /// What follows from its inputs by the planning system itself, with its cost (14); nothing where
+  /// there is no plan or that cannot be said. It need not meet the constraints.
+  std::optional<horizon::Plan> simulated(std::size_t index) const;
+};
+
+/// Of Algorithm 1 on a problem file, whatever method the file names.
+Decisions of_problem(const config::ProblemFile& problem, const std::string& name);
+
+/// Of the first `count` control steps of an example's first trial.
+/// @return fewer where the trial ends before, or a stop is wanted
+Decisions of_example(const ExampleScenario& scenario, std::uint64_t seed, int count,
+                     const Stop& stop);
+
+}  // namespace c3rt::cli::gap

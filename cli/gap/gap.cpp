@@ -1,0 +1,229 @@
+#include "cli/gap/gap.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/exit_status.hpp"
+#include "cli/gap/decisions.hpp"
+#include "cli/paths.hpp"
+#include "cli/report/gnuplot.hpp"
+#include "cli/report/text_table.hpp"
+#include "controller/base/quantile.hpp"
+#include "controller/horizon/modes.hpp"
+#include "controller/horizon/search.hpp"
+
+namespace c3rt::cli::gap {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMeets = 1e-6;  // in relation to a row's terms: a plan is not solved to more
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// One plan beside the optimum.
+struct Row {
+  double t;        // [s]
+  double cost;     // of the plan, simulated; NaN where there is none
+  bool meets;      // it meets the constraints
+  double optimum;  // the best that is known; NaN where no plan meets the constraints
+  double bound;    // no plan costs less
+  bool proven;     // optimum and bound differ by no more than was asked for
+  double solve_time_s, search_time_s;
+  long nodes;
+
+  /// Of the cost, above what is proven: at most so much too much. NaN where one is missing.
+  double above() const { return cost / (proven ? optimum : bound) - 1.0; }
+};
+
+/// Ends a search at its limit, or when a person wants.
+struct Limit {
+  Clock::time_point end;
+  const Stop* stop;
+  static bool reached(void* context) noexcept {
+    const Limit& limit = *static_cast<const Limit*>(context);
+    return Clock::now() >= limit.end || (*limit.stop)();
+  }
+};
+
+Row search(const Decisions& decisions, std::size_t index, const Settings& settings,
+           const Stop& stop) {
+  const Clock::time_point start = Clock::now();
+  Limit limit{start + std::chrono::duration_cast<Clock::duration>(
+                          std::chrono::duration<double>(settings.limit_s)),
+              &stop};
+  const horizon::Problem problem = decisions.problem(index);
+  const std::optional<horizon::Plan> plan = decisions.simulated(index);
+  // the plan's own modes, made the best of: where the search begins
+  std::optional<horizon::Plan> known;
+  if (plan) known = horizon::solve_modes(problem, horizon::modes(problem, *plan));
+  const horizon::SearchResult found =
+      horizon::search(problem, {std::numeric_limits<long>::max(), settings.relative_gap}, known,
+                      {&Limit::reached, &limit});
+  return {decisions.all[index].t,
+          plan ? plan->objective : kNone,
+          plan && horizon::residual(problem, *plan) <= kMeets,
+          found.plan ? found.plan->objective : kNone,
+          found.lower_bound,
+          found.is_proven(),
+          decisions.all[index].solve_time_s,
+          std::chrono::duration<double>(Clock::now() - start).count(),
+          found.nodes};
+}
+
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json();
+}
+
+ordered_json to_json(const Row& row) {
+  return {{"time_s", row.t},
+          {"cost", number(row.cost)},
+          {"meets_constraints", row.meets},
+          {"optimum", number(row.optimum)},
+          {"lower_bound", number(row.bound)},
+          {"proven", row.proven},
+          {"above", number(row.above())},
+          {"solve_time_s", row.solve_time_s},
+          {"search_time_s", row.search_time_s},
+          {"nodes", row.nodes}};
+}
+
+std::string percent(double share) { return shown(100.0 * share, 3) + " %"; }
+
+/// Of the plans that have a figure, sorted.
+std::vector<double> figures(const std::vector<Row>& rows) {
+  std::vector<double> all;
+  for (const Row& row : rows) {
+    if (std::isfinite(row.above())) all.push_back(row.above());
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+std::string picture(const Decisions& decisions, const std::vector<Row>& rows) {
+  std::string text = gnuplot::terminal(900, 420);
+  text += "set title " + gnuplot::quoted(decisions.name + ": plans above the optimum of (15)") +
+          "\nset xlabel \"control step\"\nset ylabel \"above [%]\"\nset logscale y\n"
+          "set format y \"%g\"\n$plans << EOD\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    // a logarithm has no 0
+    if (std::isfinite(rows[i].above()))
+      text += fmt::format("{} {:.9g}\n", i, std::max(1e-3, 100.0 * rows[i].above()));
+  }
+  return text +
+         "EOD\nplot $plans with linespoints pt 7 ps 0.6 lc rgb '#1f5fd0' title \"C3's plan, "
+         "simulated\"\n";
+}
+
+std::string one_problem(const Row& row) {
+  return fmt::format("cost {:.6g}, optimum {:.6g}, no plan below {:.6g}: {} above", row.cost,
+                     row.optimum, row.bound, percent(row.above()));
+}
+
+Decisions decisions_of(const Settings& settings, const Stop& stop) {
+  const fs::path file = settings.what;
+  if (file.extension() == ".json") {
+    if (!settings.overrides.empty())
+      throw UsageError("--set: a problem file has its settings in params, " + settings.what);
+    config::ProblemFile problem = config::load_problem(settings.what);
+    problem.settings.polish = settings.polish.value_or(problem.settings.polish);
+    return of_problem(problem, file.stem().string());
+  }
+  const fs::path scenario = scenario_path(settings.what);
+  if (!is_example(scenario)) {
+    throw UsageError("expected a problem file (.json) or a numerical example, got " +
+                     settings.what + ", whose planner is no example");
+  }
+  ExampleScenario example = load_example(scenario, settings.overrides);
+  example.experiment.c3.polish = settings.polish.value_or(example.experiment.c3.polish);
+  return of_example(example, settings.seed, settings.states, stop);
+}
+
+}  // namespace
+
+int run(const Settings& settings, const Stop& stop) {
+  const Decisions decisions = decisions_of(settings, stop);
+  const fs::path folder = make_folder(
+      settings.out.empty() ? fs::path("out") / ("gap-" + decisions.name) : fs::path(settings.out));
+  fmt::print("c3rt gap {}: {} plans, an exact search of at most {:g} s each, in {}\n",
+             decisions.name, decisions.all.size(), settings.limit_s, folder.string());
+  std::fflush(stdout);
+  std::vector<Row> rows;
+  {
+    Progress progress("gap " + decisions.name);
+    while (rows.size() < decisions.all.size() && !stop()) {
+      progress.update(static_cast<double>(rows.size()) / static_cast<double>(decisions.all.size()),
+                      fmt::format("plan {} of {}", rows.size() + 1, decisions.all.size()));
+      const Row row = search(decisions, rows.size(), settings, stop);
+      if (!stop()) rows.push_back(row);
+    }
+  }
+  ordered_json states = ordered_json::array();
+  for (const Row& row : rows) states.push_back(to_json(row));
+  const bool complete = rows.size() == decisions.all.size();
+  const auto proven =
+      std::count_if(rows.begin(), rows.end(), [](const Row& r) { return r.proven; });
+  const std::vector<double> above = figures(rows);
+  ordered_json json{{"name", decisions.name}, {"overrides", settings.overrides},
+                    {"complete", complete},   {"relative_gap", settings.relative_gap},
+                    {"proven", proven},       {"plans", rows.size()}};
+  if (!above.empty()) {
+    json["above"] = {{"median", base::quantile_linear(above, 0.5)},
+                     {"p90", base::quantile_linear(above, 0.9)},
+                     {"worst", above.back()}};
+  }
+  json["states"] = states;
+  write_text(folder / "gap.json", json.dump(1) + "\n");
+  if (above.empty()) {
+    const bool no_plans = std::none_of(rows.begin(), rows.end(),
+                                       [](const Row& row) { return std::isfinite(row.cost); });
+    const std::string limit = fmt::format("no bound within {:g} s", settings.limit_s);
+    fmt::print(stderr, "c3rt: nothing to compare: {}\n",
+               !complete  ? "interrupted"
+               : no_plans ? "no plan can be simulated"
+                          : limit.c_str());
+    return complete && !no_plans ? kUndecided : kCriterionFailed;
+  }
+  if (rows.size() == 1) {
+    fmt::print("  {}\n", one_problem(rows.front()));
+  } else {
+    const std::string missing = gnuplot::draw(folder / "gap.png", picture(decisions, rows));
+    fmt::print("\n{}\n",
+               text_table({{"", "median", "90 %", "worst"},
+                           {"above the optimum", percent(base::quantile_linear(above, 0.5)),
+                            percent(base::quantile_linear(above, 0.9)), percent(above.back())}}));
+    if (!missing.empty()) fmt::print(stderr, "c3rt: no picture: {}\n", missing);
+  }
+  if (above.size() < rows.size())
+    fmt::print("  {} of {} plans cannot be simulated\n", rows.size() - above.size(), rows.size());
+  const auto breaking = std::count_if(rows.begin(), rows.end(), [](const Row& row) {
+    return std::isfinite(row.cost) && !row.meets;
+  });
+  if (breaking > 0) {
+    fmt::print("  {} of {} plans do not meet the constraints, which the optimum does\n", breaking,
+               rows.size());
+  }
+  if (static_cast<std::size_t>(proven) < rows.size()) {
+    fmt::print(
+        "  {} of {} optima are not proven within {:g} s: of these plans the figure is the "
+        "distance to a proven bound\n",
+        rows.size() - static_cast<std::size_t>(proven), rows.size(), settings.limit_s);
+  }
+  fmt::print("  {:<16}{}\n", "results in", folder.string());
+  if (!complete) {
+    fmt::print(stderr, "interrupted after {} of {} plans\n", rows.size(), decisions.all.size());
+    return kCriterionFailed;
+  }
+  return static_cast<std::size_t>(proven) == rows.size() ? kDone : kUndecided;
+}
+
+}  // namespace c3rt::cli::gap

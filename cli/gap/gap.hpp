@@ -1,0 +1,30 @@
+#pragma once
+// `c3rt gap`: how far plans of C3 are from the optimum of the whole problem (15).
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/progress.hpp"
+
+namespace c3rt::cli::gap {
+
+struct Settings {
+  std::string what;                    // a problem file, or a numerical example's name or file
+  std::vector<std::string> overrides;  // of the example: "c3.rho=0.5"
+  std::optional<int> polish;           // c3.polish in place of what scenario or problem say
+  std::uint64_t seed = 1;              // of the example
+  int states = 40;                     // control steps of it
+  double limit_s = 60.0;               // for each exact search
+  double relative_gap = 1e-3;          // that counts as the optimum
+  std::string out;                     // folder; empty: out/gap-NAME
+};
+
+/// Prints a table and writes gap.json and gap.png.
+/// @return kDone where every optimum is proven, kUndecided where a search was ended by its limit
+/// (the figures are then at most what is said), kCriterionFailed where it was interrupted or there
+/// is no plan at all
+/// @throws UsageError, config::ConfigError before any search
+int run(const Settings& settings, const Stop& stop);
+
+}  // namespace c3rt::cli::gap
