@@ -10,6 +10,7 @@ import importlib.util
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -61,6 +62,7 @@ def main():
     if importlib.util.find_spec("sphinx") is None:
         print("c3rt: error: Sphinx is missing: pip install --requirement docs/site/requirements.txt", file=sys.stderr)
         return 2
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # Ctrl-C of ./c3rt docs: nothing is left behind
     with tempfile.TemporaryDirectory() as scratch:
         source, made = Path(scratch) / "source", Path(scratch) / "made"
         gather(source, arguments.build)
