@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -18,7 +19,7 @@ enum class PolishStatus {
   kOff,
   kNoPlan,    // none of the plans is complementary and meets the constraints: the solution is as
               // without polish
-  kBest,      // no pair and no row that could change would bring more
+  kBest,      // no pair and no row that could change would bring more; moves may end by max_qps
   kQpLimit,   // Settings::polish QPs were solved before
   kDeadline,  // the deadline struck before
 };
@@ -34,12 +35,12 @@ struct PolishReport {
 
 /// Better plans of the whole problem (15), from plans that are known. The inputs of a known plan
 /// are simulated; that fixes which side of each pair is zero, and with these modes (15) is a QP
-/// over the inputs alone [FixedModes]. A primal active-set method goes down in it, each step one
+/// over the inputs alone [FixedModes]. An active-set method goes to its minimiser, each step one
 /// Riccati recursion, so that time and memory grow linearly with N. Where a pair whose both sides
 /// are zero holds it back, the signs of the two sides' multipliers say whether to leave that point
-/// in this mode or, by one principal pivot, in the other. It ends where no single pair would bring
-/// more: at a local minimum. Once the constraints are met the cost never rises. After `set_costs`
-/// nothing allocates.
+/// in this mode or, by one principal pivot, in the other. A descent ends where no single pair would
+/// bring more: at a local minimum. Then moves give all pairs of a contact other modes at once.
+/// Once the constraints are met the cost never rises. After `set_costs` nothing allocates.
 class Polish {
  public:
   /// @param max_qps  of all plans together
@@ -48,13 +49,19 @@ class Polish {
   /// Costs and constraints that passed `check`. May allocate.
   void set_costs(const Costs& costs, const Constraints& constraints);
 
-  /// Takes a problem, which must outlive the calls of `improve`, and Algorithm 1's inputs
-  /// (n_u × N). RT.
+  /// Takes a problem, which must outlive the calls that follow, Algorithm 1's inputs (n_u × N) and
+  /// the forces of its last projection (n_lambda × N), whose modes inputs get that the system
+  /// cannot be simulated with. Inputs are taken within their bounds. RT.
   void start(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
              const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
-             const Eigen::Ref<const Eigen::MatrixXd>& u) noexcept;
+             const Eigen::Ref<const Eigen::MatrixXd>& u,
+             const Eigen::Ref<const Eigen::MatrixXd>& lambda) noexcept;
   /// Goes down from a plan with these inputs (n_u × N). RT: no heap, no lock, no throw.
   void improve(const Eigen::Ref<const Eigen::MatrixXd>& u, const Deadline& deadline) noexcept;
+  /// Spends the QPs that are left on moves: a contact's pairs get other modes over a range of
+  /// stages of the best plan, and from there it goes down. The moves are drawn by the bits of x_0.
+  /// RT.
+  void explore(const Deadline& deadline) noexcept;
 
   const PolishReport& report() const noexcept { return report_; }
   /// The best plan, where report().cost is finite: x (n_x × N+1), λ (n_lambda × N), u (n_u × N).
@@ -63,6 +70,10 @@ class Polish {
   const Eigen::MatrixXd& u() const noexcept { return best_.u; }
 
  private:
+  static constexpr double kMet = 1e-7;      // violation of what counts as a plan
+  static constexpr double kAtBound = 1e-9;  // of a value
+  static constexpr double kOfValue = 1e-3;  // what none is measured beside less [unit of the row]
+
   /// s of a plan with modes are the sides that are not zero; of one that is simulated, λ.
   struct Plan {
     Eigen::MatrixXd x, s, u;  // (n_x × N+1), (n_lambda × N), (n_u × N)
@@ -84,20 +95,32 @@ class Polish {
   double slack(int k, int pair) const noexcept;
   void note_forces(int k, const Plan& plan) noexcept;
 
+  void take_inputs(const Eigen::Ref<const Eigen::MatrixXd>& u) noexcept;
   bool simulate(Plan& plan) noexcept;
-  void judge(const Plan& plan) noexcept;
-  void load(Plan& plan) noexcept;
+  bool judge(const Plan& plan) noexcept;
+  void finish(Plan& plan) noexcept;
+  void keep_active() noexcept;
+  void find_contacts() noexcept;
+  bool draw_move() noexcept;
+  int draw(int below) noexcept;
+  void load(Plan& plan, bool fit) noexcept;
+  void hold_kept() noexcept;
+  bool is_over(const Deadline& deadline) noexcept;
+  bool leap(Plan& plan, const Deadline& deadline) noexcept;
+  bool hold_violated() noexcept;
   bool fit_modes(int k, Plan& plan) noexcept;
   void take_modes(int k) noexcept;
   void roll(Plan& plan) noexcept;
   void measure(Plan& plan) noexcept;
   void descend(Plan& plan, const Deadline& deadline) noexcept;
+  void go_on(Plan& plan, const Deadline& deadline) noexcept;
   void guess_active() noexcept;
   bool drop_wrong_guesses() noexcept;
   bool solve() noexcept;
   bool move(Plan& plan, double alpha) noexcept;
   void add(int row, Side side, double inverse_hessian) noexcept;
   void drop(int row) noexcept;
+  void drop_all() noexcept;
   double inwards(int row) const noexcept;
   bool release(const Plan& plan) noexcept;
   bool drop_held(double enough) noexcept;
@@ -116,14 +139,20 @@ class Polish {
   Sizes sizes_, reduced_sizes_;  // of the QPs over x and u alone
   int n_pairs_;                  // N n_lambda; row k n_lambda + j is pair j of stage k
   int max_qps_;
+  int limit_ = 0;  // of the QPs of the present descent
   Horizon lcs_{nullptr, 0};
   Costs costs_;
   Eigen::VectorXd x0_;
   Eigen::MatrixXd x_desired_;
   lcs::Lemke lemke_;
   PolishReport report_;
-  Plan plan_, first_, best_;      // first_: of Algorithm 1's inputs
-  Eigen::MatrixXd z_, u_before_;  // (n_z × N), (n_u × N)
+  Plan plan_, first_, best_;                            // first_: of Algorithm 1's inputs
+  Eigen::MatrixXd projected_, z_, u_before_, u_first_;  // (n_z × N), (n_u × N)
+  std::vector<int> contact_;  // of each pair of a stage: the first pair of its contact
+  std::uint64_t random_ = 0;
+  struct Move {
+    int contact = 0, first = 0, last = -1;  // stages
+  } move_;
 
   // the QP of the present modes
   std::vector<FixedModes> modes_;
@@ -138,6 +167,12 @@ class Polish {
   bool modes_changed_ = true;
   double largest_force_ = 0.0;
   std::vector<int> active_;  // rows that are held
+  struct Kept {
+    int row;
+    Side side;
+    double weight, multiplier, inverse_hessian;
+  };
+  std::vector<Kept> kept_;  // of the best plan
   std::vector<Side> side_;
   // per row: of the penalty that holds it, multiplier, aᵀ H⁻¹ a, aᵀ [x; u] + offset
   Eigen::VectorXd weight_, multiplier_, inverse_hessian_, value_;

@@ -39,7 +39,7 @@ struct Wall {
   }
   /// The input that is found from another one.
   double from(double u, double x_d) {
-    polish.start({&lcs, 0}, entry(1), MatrixXd::Constant(1, 2, x_d), one(u));
+    polish.start({&lcs, 0}, entry(1), MatrixXd::Constant(1, 2, x_d), one(u), one(0));
     polish.improve(one(u), {});
     return polish.u()(0, 0);
   }
@@ -115,15 +115,51 @@ TEST_CASE("polish: it ends at a kink that is a minimum from both sides") {
   }
 }
 
-TEST_CASE("polish: bounds are met, and a plan outside them counts for nothing") {
+TEST_CASE("polish: a move leaves a local minimum that no single step of the descent does") {
+  // x⁺ = |x + u|: u = −4 and u = 2 both reach 3, and between them the cost rises to 9
+  const double R = 0.1;
+  Wall mirror(R);
+  mirror.lcs.D = one(2);
+  CHECK(mirror.from(-3.5, 3.0) == Approx(-4.0 / (1.0 + R)).epsilon(1e-7));
+  CHECK(mirror.polish.report().cost == Approx(16.0 * R / (1.0 + R)));
+  mirror.polish.explore({});
+  CHECK(mirror.polish.u()(0, 0) == Approx(2.0 / (1.0 + R)).epsilon(1e-7));
+  CHECK(mirror.polish.report().cost == Approx(4.0 * R / (1.0 + R)));
+  CHECK(mirror.polish.report().status == PolishStatus::kBest);
+  CHECK(mirror.polish.report().qps <= kQps);
+}
+
+TEST_CASE("polish: bounds are met, and inputs outside them are taken at them") {
   Constraints constraints;
   constraints.u_min = entry(-2.0);
   constraints.u_max = entry(1.0);
   Wall wall(0.5, constraints);
   CHECK(wall.from(0.2, 3.0) == Approx(1.0).epsilon(1e-7));
-  CHECK(wall.polish.report().cost_before < kInfinity);
   CHECK(wall.from(5.0, 3.0) == Approx(1.0).epsilon(1e-7));
+  CHECK(wall.polish.report().cost_before == Approx(1.0 + 0.5));
+}
+
+TEST_CASE("polish: a plan outside a bound of the state counts for nothing") {
+  Constraints constraints;
+  constraints.x_N_max = entry(1.5);
+  Wall wall(0.5, constraints);
+  CHECK(wall.from(1.0, 3.0) == Approx(0.5).epsilon(1e-7));
   CHECK(wall.polish.report().cost_before == kInfinity);
+}
+
+TEST_CASE("polish: inputs without a simulation get the modes of the last projection") {
+  // y = x + u − λ: λ is any that is (x + u)₊ or 0, and none at all for x + u < 0
+  Wall wall(0.5);
+  wall.lcs.F = one(-1);
+  const MatrixXd x_d = MatrixXd::Constant(1, 2, 3.0);
+  for (const double force : {0.0, 1.0}) {
+    wall.polish.start({&wall.lcs, 0}, entry(1), x_d, one(-2), one(force));
+    wall.polish.improve(one(-2), {});
+    // x⁺ = 1 + u without the force, 2 (1 + u) with it
+    const double u = force == 0.0 ? 2.0 / 1.5 : 2.0 / 4.5;
+    CHECK(wall.polish.u()(0, 0) == Approx(u).epsilon(1e-6));
+    CHECK(wall.polish.lambda()(0, 0) == Approx(force * (1.0 + u)).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("polish: with every projection the plan is complementary and costs no more than before") {
