@@ -68,9 +68,11 @@ class Service {
 
   /// The service's time, simulated in lockstep [s].
   double time() const { return 1e-9 * static_cast<double>(state_.header.time_ns); }
+  /// The next state, and all else that has come: what lasted between two looks is seen, too.
   void look() {
-    bus_->wait_for_data(20'000'000);
-    while (states_->take(state_)) {
+    if (!states_->take(state_)) {
+      bus_->wait_for_data(20'000'000);
+      (void)states_->take(state_);
     }
     while (commands_->take(command_)) {
     }
@@ -92,7 +94,11 @@ class Service {
     std::optional<double> end;  // unknown until the first state tells the time
     const std::int64_t patience_ns = rt::now_ns() + 120'000'000'000;
     while (!condition()) {
-      if (!end && state_.header.time_ns != 0) end = time() + seconds;
+      // states that wait to be looked at are of the past
+      if (!end && state_.header.time_ns != 0)
+        end = 1e-9 * static_cast<double>(std::max(
+                         {state_.header.time_ns, command_.header.time_ns, scene_.header.time_ns})) +
+              seconds;
       if ((end && time() > *end) || rt::now_ns() > patience_ns) return false;
       look();
     }
