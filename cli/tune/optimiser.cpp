@@ -48,7 +48,7 @@ std::vector<Eigen::VectorXd> next_candidates(const std::string& python, const Se
   std::vector<Eigen::VectorXd> candidates;
   for (const ordered_json& candidate : answer.at("candidates")) {
     const std::vector<double> values = candidate;
-    candidates.push_back(
+    candidates.emplace_back(
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   }
   return candidates;
