@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "cli/campaign/dask.hpp"
 #include "cli/campaign/runs.hpp"
 #include "cli/campaign/seeds.hpp"
 #include "cli/campaign/table.hpp"
@@ -40,18 +39,8 @@ std::string markdown(const Settings& settings, const Summary& summary,
 }  // namespace
 
 int run(const Settings& settings, const Stop& stop) {
-  RunSettings how;
+  RunSettings how = run_settings(settings, stop);
   how.title = "campaign " + settings.scenario;
-  how.stop = stop;
-  how.fresh = settings.fresh;
-  if (settings.at_once > 0) how.at_once = settings.at_once;
-  if (settings.engine == "dask") {
-    how.engine = [&settings](const std::vector<Job>& jobs, int at_once, const Watch& watch) {
-      run_on_dask(jobs, settings.address, at_once, watch);
-    };
-  } else if (!settings.address.empty()) {
-    throw UsageError("--address: only with --engine dask");
-  }
   const std::vector<RunSpec> wanted = specs(settings);
   const std::string name = scenario_path(settings.scenario).stem().string();
   how.folder = make_folder(settings.out.empty() ? fs::path("out") / ("campaign-" + name)

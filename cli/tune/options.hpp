@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/campaign/options.hpp"
 #include "cli/checks.hpp"
 #include "cli/tune/tune.hpp"
 
@@ -47,22 +48,8 @@ inline void add_options(CLI::App& command, Settings& settings) {
   command.add_option("--seed", settings.seed, "Of the search itself")
       ->check(whole(0, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
-  command
-      .add_option("--duration", settings.duration,
-                  "Ends each run after this long [s]; default: the scenario's")
-      ->check(number(0.1, 1e6));
-  command.add_option("--jobs,-j", settings.at_once, "Runs at once; default: one for each core")
-      ->check(whole(1, 130));
   command.add_option("--out", settings.out, "Folder of results; default: out/tune-SCENARIO");
-  command.add_flag("--fresh", settings.fresh,
-                   "Makes every run anew; else the same command goes on where it was ended");
-  command
-      .add_option("--engine", settings.engine,
-                  "local, or dask: workers on this or on other machines")
-      ->check(one_of({"local", "dask"}))
-      ->capture_default_str();
-  command.add_option("--address", settings.address,
-                     "Of Dask's scheduler, tcp://host:port; default: workers on this machine");
+  campaign::add_engine_options(command, settings, "the same command goes on where it was ended");
 }
 
 }  // namespace c3rt::cli::tune

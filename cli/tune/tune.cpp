@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/campaign/dask.hpp"
 #include "cli/campaign/python.hpp"
 #include "cli/campaign/runs.hpp"
 #include "cli/campaign/seeds.hpp"
@@ -77,8 +77,7 @@ class Tuner {
         python_(campaign::python_with("c3rt tune", "cmaes", "cmaes")) {
     if (settings.minimise.empty() == settings.maximise.empty())
       throw UsageError("expected --minimise FIGURE or --maximise FIGURE, got both or none");
-    if (settings.engine != "dask" && !settings.address.empty())
-      throw UsageError("--address: only with --engine dask");
+    (void)campaign::run_settings(settings, stop_);  // refuses before anything is started
     require_other_seeds(settings);
     const config::Tree tree = config::load_composed(file_.string(), settings.overrides);
     search_ = {start(parameters_, tree, file_.string()), settings.sigma, settings.seed,
@@ -138,18 +137,9 @@ class Tuner {
                                               const std::vector<Eigen::VectorXd>& units,
                                               const std::string& seeds,
                                               const std::string& prefix = "start-") {
-    campaign::RunSettings how;
+    campaign::RunSettings how = campaign::run_settings(settings_, stop_);
     how.folder = folder_;
     how.title = "tune " + name_ + ", " + title;
-    how.stop = stop_;
-    how.fresh = settings_.fresh;
-    if (settings_.at_once > 0) how.at_once = settings_.at_once;
-    if (settings_.engine == "dask") {
-      how.engine = [this](const std::vector<campaign::Job>& jobs, int at_once,
-                          const campaign::Watch& watch) {
-        campaign::run_on_dask(jobs, settings_.address, at_once, watch);
-      };
-    }
     const std::vector<std::uint64_t> numbers = campaign::parse_seeds(seeds);
     std::vector<RunSpec> specs;
     for (std::size_t i = 0; i < units.size(); ++i) {

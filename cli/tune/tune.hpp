@@ -1,15 +1,15 @@
 #pragma once
 // `c3rt tune`: numbers of a scenario, found by CMA-ES over runs, judged on other seeds.
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "cli/campaign/engine_settings.hpp"
 #include "cli/progress.hpp"
 
 namespace c3rt::cli::tune {
 
-struct Settings {
+struct Settings : campaign::EngineSettings {
   std::string scenario;                         // name or path
   std::vector<std::string> overrides;           // where it begins: "planner.rate_hz=75"
   std::vector<std::string> linear, log, whole;  // "planner.admm.rho=0.1..10"
@@ -19,12 +19,7 @@ struct Settings {
   int population = 0;  // 0: usual_population()
   double sigma = 0.2;  // of each range
   std::uint32_t seed = 1;
-  std::optional<double> duration;  // of each run [s]; nothing: the scenario's
-  int at_once = 0;                 // runs; 0: as many as there are cores
-  std::string out;                 // empty: out/tune-SCENARIO
-  bool fresh = false;
-  std::string engine = "local";  // or "dask"
-  std::string address;           // of Dask's scheduler
+  std::string out;  // empty: out/tune-SCENARIO
 };
 
 /// Leaves SCENARIO_tuned.yaml, tune.json and tune.md in its folder, and every run; the same call
