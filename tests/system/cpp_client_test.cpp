@@ -18,7 +18,7 @@ using test::ChildProcess;
 
 namespace {
 
-const std::string kDomain = std::to_string(test::service_domain());
+const std::string kDomain = std::to_string(test::test_domain());
 const std::string kRoll = C3RT_SOURCE_DIRECTORY "/examples/python_planner/roll.yaml";
 
 std::string text_of(const std::filesystem::path& file) {
@@ -103,7 +103,7 @@ TEST_CASE("cpp client: beside a service in lockstep it reads, asks, and is refus
     for (std::size_t i = 3; i < 20; ++i) CHECK(std::stoull(lines[i]) > std::stoull(lines[i - 1]));
   }
   {
-    client::Client robot(test::service_domain());
+    client::Client robot(test::test_domain());
     CHECK(robot.newest<wire::Plan>(patience).knot_count == 1);
     CHECK_THAT(robot
                    .target("circle",
@@ -129,7 +129,7 @@ TEST_CASE("cpp client: beside a service in lockstep it reads, asks, and is refus
 
 TEST_CASE("cpp client: Ctrl-C and SIGTERM end a planner that waits, without a word") {
   const cli::Folder folder;
-  client::Client robot(test::service_domain());
+  client::Client robot(test::test_domain());
   for (const auto& [number, clock] : {std::pair{SIGINT, "lockstep"}, {SIGTERM, "realtime"}}) {
     Example planner(clock, folder);
     bool waits = false;

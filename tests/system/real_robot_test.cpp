@@ -18,6 +18,7 @@
 #include "tests/idl/samples.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/outcome.hpp"
+#include "tests/system/loopback.hpp"
 
 using namespace c3rt;
 
@@ -26,14 +27,7 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
 const std::string kScenario = C3RT_SOURCE_DIRECTORY "/config/scenarios/circle_slow.yaml";
 
-std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
-
-wire::BusSettings settings() {
-  wire::BusSettings bus;
-  bus.domain = test_domain();
-  bus.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
-  return bus;
-}
+using test::test_domain;
 
 std::vector<std::string> door_command(const std::vector<std::string>& more) {
   std::vector<std::string> command = test::process_command("", kScenario, test_domain(), more);
@@ -131,7 +125,7 @@ class Vision {
     }
   }
 
-  wire::Bus bus_{settings()};
+  wire::Bus bus_{test::loopback_settings()};
   wire::Reader<wire::ServiceStatus> statuses_{bus_};
   wire::Reader<wire::RobotState> states_{bus_, 1024};
   wire::Reader<wire::RobotCommand> commands_{bus_, 1024};

@@ -19,10 +19,9 @@
 #include "tests/cli/folder.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/outcome.hpp"
+#include "tests/system/loopback.hpp"
 
 namespace c3rt::test {
-
-inline std::uint32_t service_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
 
 class Service {
  public:
@@ -58,9 +57,7 @@ class Service {
     return command(arguments, "other");
   }
   wire::BusSettings settings() const {
-    wire::BusSettings bus;
-    bus.domain = service_domain();
-    bus.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
+    wire::BusSettings bus = loopback_settings();
     bus.clock = clock_;
     return bus;
   }
@@ -203,7 +200,7 @@ class Service {
   support::Outcome command(const std::string& arguments, const std::string& runtime) const {
     return support::outcome_of("XDG_RUNTIME_DIR='" + (folder_.path() / runtime).string() +
                                "' '" C3RT_BINARY_DIRECTORY "/bin/c3rt' " + arguments +
-                               " --domain " + std::to_string(service_domain()));
+                               " --domain " + std::to_string(test_domain()));
   }
   static std::size_t index(wire::Process process) { return static_cast<std::size_t>(process); }
   std::string answers() {

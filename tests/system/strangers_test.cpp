@@ -20,6 +20,7 @@
 #include "tests/idl/raw_writer.hpp"
 #include "tests/idl/samples.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/system/loopback.hpp"
 
 using namespace c3rt;
 
@@ -30,14 +31,7 @@ using wire::test::RawWriter;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
-
-wire::BusSettings settings() {
-  wire::BusSettings bus;
-  bus.domain = test_domain();
-  bus.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
-  return bus;
-}
+using test::test_domain;
 
 struct Hand : test::ChildProcess {
   explicit Hand(const char* program)
@@ -100,7 +94,7 @@ class Audience {
   }
 
  private:
-  wire::Bus bus_{settings()};
+  wire::Bus bus_{test::loopback_settings()};
   wire::Reader<wire::ServiceStatus> statuses_{bus_};
   wire::Reader<wire::RobotState> states_{bus_, 1024};
   std::array<std::optional<wire::ServiceStatus>, wire::kProcessCount> newest_{};
@@ -110,7 +104,7 @@ class Audience {
 TEST_CASE("a session comes from the plant alone, whatever strangers tell before or after") {
   const Hand impedance("c3rt-impedance"), planner("c3rt-planner"), vision("c3rt-vision");
   Audience audience;
-  wire::Bus bus(settings());
+  wire::Bus bus(test::loopback_settings());
   RawWriter estimates(bus, wire::topic<wire::ObjectEstimate>()),
       plans(bus, wire::topic<wire::Plan>()), scenes(bus, wire::topic<wire::Scene>()),
       states(bus, wire::topic<wire::RobotState>());
@@ -162,7 +156,7 @@ TEST_CASE("a second writer of commands, plans and states moves nothing and is na
       vision("c3rt-vision");
   Audience audience;
   REQUIRE(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
-  wire::Bus bus(settings());
+  wire::Bus bus(test::loopback_settings());
   RawWriter commands(bus, wire::topic<wire::RobotCommand>()), plans(bus, wire::topic<wire::Plan>()),
       states(bus, wire::topic<wire::RobotState>());
   REQUIRE(audience.eventually(
@@ -219,7 +213,7 @@ TEST_CASE("a stranger's states, ahead in time, elsewhere and in a reflex, move n
       vision("c3rt-vision");
   Audience audience;
   REQUIRE(audience.eventually([&] { return audience.all_well(audience.session()); }, [] {}));
-  wire::Bus bus(settings());
+  wire::Bus bus(test::loopback_settings());
   RawWriter states(bus, wire::topic<wire::RobotState>());
   REQUIRE(audience.eventually([&] { return states.matched(); }, [] {}));
   std::uint64_t seq = 1'000'000'000;
@@ -254,7 +248,7 @@ TEST_CASE("a stranger's states, ahead in time, elsewhere and in a reflex, move n
 TEST_CASE("estimates that cannot be do not move the arm, beside our vision and in its place") {
   const Hand plant("c3rt-plant"), impedance("c3rt-impedance"), planner("c3rt-planner");
   Audience audience;
-  wire::Bus bus(settings());
+  wire::Bus bus(test::loopback_settings());
   RawWriter estimates(bus, wire::topic<wire::ObjectEstimate>());
   std::uint64_t seq = 0;
   bool stopped = false;
@@ -321,7 +315,7 @@ std::string lockstep_hash(const std::string& name, bool with_stranger) {
   std::atomic<bool> over{false};
   std::thread stranger([&] {
     if (!with_stranger) return;
-    wire::Bus bus(settings());
+    wire::Bus bus(test::loopback_settings());
     wire::Reader<wire::RobotState> states(bus);
     wire::RobotState state{};
     // a run does not begin on a domain on which somebody commands a robot
