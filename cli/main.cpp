@@ -642,6 +642,7 @@ class CommandLine {
         ->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
     CLI::App* scenario = command(
+          if (as_json_) return cli::print_scenario_json(scenario_, overrides_);
         app_, "scenario", "Prints a scenario whole, with the file and line of every value", [this] {
           if (as_keys_) return cli::print_keys(scenario_, overrides_);
           return scenario_.empty() ? cli::list_scenarios()
@@ -654,6 +655,11 @@ class CommandLine {
                          "Name of a scenario, or a path to its file; none: lists those there are");
     scenario
         ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
+    scenario
+        ->add_flag("--json", as_json_,
+                   "Prints it as JSON, for programs: its file, texts, values and the files "
+                   "that they name")
+        ->needs(scenario->get_option("scenario"));
         ->expected(1)
         ->take_all();
     CLI::App* plan =
@@ -784,7 +790,7 @@ class CommandLine {
   std::string recording_, export_to_;  // of export
   std::vector<std::string> topics_;
   bool peers_ = false;
-  bool as_keys_ = false;
+  bool as_keys_ = false, as_json_ = false;
   std::string process_;
   std::string kind_;
   std::vector<std::string> parameters_;

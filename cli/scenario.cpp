@@ -4,19 +4,50 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/example/scenario.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
+#include "config/directory.hpp"
 #include "config/extends.hpp"
 #include "config/keys.hpp"
 #include "config/scenario.hpp"
 #include "config/show.hpp"
 
 namespace c3rt::cli {
+namespace fs = std::filesystem;
 namespace {
 
-void check(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+using nlohmann::ordered_json;
+
+constexpr std::size_t kLongestName = 1000;
+
+ordered_json json_of(const config::Tree& tree) {
+  if (tree.is_scalar()) return tree.scalar;
+  ordered_json json = tree.is_map()    ? ordered_json::object()
+                      : tree.is_list() ? ordered_json::array()
+                                       : ordered_json();
+  for (const config::Tree& item : tree.list) json.push_back(json_of(item));
+  for (const config::Entry& entry : tree.map) json[entry.key] = json_of(entry.value);
+  return json;
+}
+
+/// Those that values name: looked for as a scenario's section does.
+void add_files(const config::Tree& tree, std::vector<std::string>& files) {
+  for (const config::Tree& item : tree.list) add_files(item, files);
+  for (const config::Entry& entry : tree.map) add_files(entry.value, files);
+  if (!tree.is_scalar() || tree.scalar.empty() || tree.scalar.size() > kLongestName) return;
+  const fs::path own = tree.place.file ? fs::path(*tree.place.file).parent_path() : fs::path();
+  for (const fs::path& folder : {own, config::directory() / "scenarios"}) {
+    std::error_code error;
+    if (!fs::is_regular_file(folder / tree.scalar, error)) continue;
+    files.push_back(fs::absolute(folder / tree.scalar).string());
+    return;
+  }
+}
+
+void check(const fs::path& file, const std::vector<std::string>& overrides) {
   if (is_example(file)) {
     (void)load_example(file, overrides);
   } else {
@@ -73,7 +104,7 @@ int print_keys(const std::string& scenario, const std::vector<std::string>& over
   const std::vector<std::string> names =
       scenario.empty() ? scenario_names() : std::vector<std::string>{scenario};
   for (const std::string& name : names) {
-    const std::filesystem::path file = scenario_path(name);
+    const fs::path file = scenario_path(name);
     const config::KeyListener listener;
     check(file, overrides);
     add(listener.keys(), is_example(file) ? of_examples : of_runs);
@@ -84,10 +115,26 @@ int print_keys(const std::string& scenario, const std::vector<std::string>& over
 }
 
 int print_scenario(const std::string& scenario, const std::vector<std::string>& overrides) {
-  const std::filesystem::path file = scenario_path(scenario);
+  const fs::path file = scenario_path(scenario);
   check(file, overrides);
   fmt::print("{}", config::show(config::load_composed(file.string(), overrides),
                                 config::Comments::kPlaces));
+  return kDone;
+}
+
+int print_scenario_json(const std::string& scenario, const std::vector<std::string>& overrides) {
+  const fs::path file = scenario_path(scenario);
+  check(file, overrides);
+  const config::Tree tree = config::load_composed(file.string(), overrides);
+  std::vector<std::string> files;
+  add_files(tree, files);
+  const ordered_json json{{"file", file.string()},
+                          {"is_example", is_example(file)},
+                          {"own_text", config::whole_scenario(file.string())},
+                          {"text", config::show(tree, config::Comments::kNone)},
+                          {"values", json_of(tree)},
+                          {"files", files}};
+  fmt::print("{}\n", json.dump());
   return kDone;
 }
 

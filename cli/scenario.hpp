@@ -10,6 +10,12 @@ namespace c3rt::cli {
 /// cannot be run
 int print_scenario(const std::string& scenario, const std::vector<std::string>& overrides);
 
+/// Prints one object of JSON: the scenario's `file`; `is_example`, whether it is a numerical
+/// example; `own_text`, the scenario with what it extends, and `text`, the same with the overrides,
+/// each as YAML that needs no other file; `values`, the same as objects and lists, every single
+/// value as text; `files` that values name, with their paths. @throws as print_scenario
+int print_scenario_json(const std::string& scenario, const std::vector<std::string>& overrides);
+
 /// Prints the name and the description of every scenario that is shipped.
 int list_scenarios();
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -288,6 +289,46 @@ TEST_CASE("c3rt scenario prints a scenario whole, so that the print can be run i
   };
   CHECK(without_comments(again.output) == without_comments(outcome.output));
   CHECK(place.c3rt("scenario cart_pole").status == 0);
+}
+
+TEST_CASE("c3rt scenario --json: both texts, every value, and the files that values name") {
+  const Place place;
+  const fs::path file = place.path() / "own.yaml";
+  fs::copy(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml", place.path() / "own.xml");
+  std::ofstream(file) << "name: own\ndescription: own\nextends: push_t\n"
+                         "plant:\n  objects: [{mjcf: own.xml, position_m: [0.55, 0.0], "
+                         "start_spread_xy_m: [0.15, 0.15], yaw_spread_rad: 3.1415, "
+                         "friction_table: 0.4, friction_end_effector: 0.5}]\n";
+  const auto told = [&place](const std::string& arguments) {
+    const Outcome outcome = place.c3rt("scenario " + arguments + " --json");
+    REQUIRE(outcome.status == 0);
+    return nlohmann::ordered_json::parse(outcome.output);
+  };
+  const auto own = told("'" + file.string() + "' --set planner.rate_hz=40");
+  CHECK(own.at("file") == file.string());
+  CHECK(own.at("is_example") == false);
+  CHECK(own.at("values").at("planner").at("rate_hz") == "40");
+  CHECK(own.at("values").at("plant").at("objects").at(0).at("mjcf") == "own.xml");
+  // each can be read in its place: the one with what was set, the other without
+  for (const auto& [name, is_set] : {std::pair{"text", true}, {"own_text", false}}) {
+    const std::string text = own.at(name);
+    CHECK((text.find("rate_hz: 40") != std::string::npos) == is_set);
+    std::ofstream(place.path() / "again.yaml") << text;
+    CHECK(place.c3rt("scenario '" + (place.path() / "again.yaml").string() + "'").status == 0);
+  }
+  // beside the scenario; the planner's model is what push_t says, beside that one
+  const std::vector<std::string> files = own.at("files");
+  const auto is_named = [&files](const fs::path& wanted) {
+    return std::any_of(files.begin(), files.end(), [&wanted](const std::string& one) {
+      return fs::weakly_canonical(one) == fs::weakly_canonical(wanted);
+    });
+  };
+  CHECK(is_named(place.path() / "own.xml"));
+  CHECK(is_named(C3RT_SOURCE_DIRECTORY "/config/objects/t.xml"));
+  CHECK_FALSE(is_named(C3RT_SOURCE_DIRECTORY "/config/objects/l.xml"));
+  CHECK(told("cart_pole").at("is_example") == true);
+  CHECK(place.c3rt("scenario circle_fast --set planner.no_such_key=1 --json").status == 2);
+  CHECK(place.c3rt("scenario --json").status == 2);
 }
 
 TEST_CASE("c3rt scenario without a name lists every file of the folder with its description") {
