@@ -16,12 +16,12 @@
 #include <unistd.h>
 
 #include "cli/bench.hpp"
-#include "cli/campaign/options.hpp"
 #include "cli/chaos/chaos.hpp"
 #include "cli/chaos/kinds.hpp"
 #include "cli/checks.hpp"
 #include "cli/client.hpp"
 #include "cli/doctor/options.hpp"
+#include "cli/evaluation_options.hpp"
 #include "cli/examples.hpp"
 #include "cli/gap/gap.hpp"
 #include "cli/inspect.hpp"
@@ -41,7 +41,6 @@
 #include "cli/service.hpp"
 #include "cli/soak/soak.hpp"
 #include "cli/solve.hpp"
-#include "cli/tune/options.hpp"
 #include "cli/view.hpp"
 #include "controller/task/registry.hpp"
 #include "controller/task/request.hpp"
@@ -568,16 +567,15 @@ class CommandLine {
   }
 
   void add_campaign() {
-    cli::campaign::add_options(
-        *command(app_, "campaign", "Many seeds of one scenario in lockstep, one table",
-                 [this] { return cli::campaign::run(campaign_, &wire::StopFlag::requested); }),
-        campaign_);
+    cli::add_options(*command(app_, "campaign", "Many seeds of one scenario in lockstep, one table",
+                              [this]() -> int { cli::campaign(campaign_); }),
+                     campaign_);
   }
 
   void add_tune() {
-    cli::tune::add_options(
+    cli::add_options(
         *command(app_, "tune", "Finds numbers of a scenario by CMA-ES, judged on other seeds",
-                 [this] { return cli::tune::run(tune_, &wire::StopFlag::requested); }),
+                 [this]() -> int { cli::tune(tune_); }),
         tune_);
   }
 
@@ -642,9 +640,9 @@ class CommandLine {
         ->required();
     solve->add_option("--out", out_, "Result file; default: standard output");
     CLI::App* scenario = command(
-          if (as_json_) return cli::print_scenario_json(scenario_, overrides_);
         app_, "scenario", "Prints a scenario whole, with the file and line of every value", [this] {
           if (as_keys_) return cli::print_keys(scenario_, overrides_);
+          if (as_json_) return cli::print_scenario_json(scenario_, overrides_);
           return scenario_.empty() ? cli::list_scenarios()
                                    : cli::print_scenario(scenario_, overrides_);
         });
@@ -655,13 +653,13 @@ class CommandLine {
                          "Name of a scenario, or a path to its file; none: lists those there are");
     scenario
         ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
+        ->expected(1)
+        ->take_all();
     scenario
         ->add_flag("--json", as_json_,
                    "Prints it as JSON, for programs: its file, texts, values and the files "
                    "that they name")
         ->needs(scenario->get_option("scenario"));
-        ->expected(1)
-        ->take_all();
     CLI::App* plan =
         command(app_, "plan",
                 "The planner for a simulator of your own: a scene a line in, a plan a line out",
@@ -773,8 +771,8 @@ class CommandLine {
   cli::LaunchOptions launch_, up_, serve_, soaked_, shaken_;
   cli::soak::Settings soak_;
   cli::chaos::Settings chaos_;
-  cli::campaign::Settings campaign_;
-  cli::tune::Settings tune_;
+  cli::CampaignSettings campaign_;
+  cli::TuneSettings tune_;
   cli::gap::Settings gap_;
   cli::reproduce::Settings reproduce_;
   cli::Seat seat_;

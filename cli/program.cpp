@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/paths.hpp"
 #include "cli/supervisor.hpp"
 #include "controller/base/words.hpp"
 
@@ -139,6 +140,14 @@ ProgramEnd run_program(const std::vector<std::string>& arguments, const std::str
     end.reason = describe_exit(status);
   }
   return end;
+}
+
+void become_program(const std::vector<std::string>& arguments) {
+  std::vector<char*> words;
+  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  execvp(words[0], words.data());
+  throw UsageError(arguments.front() + ": " + std::strerror(errno));
 }
 
 }  // namespace c3rt::cli

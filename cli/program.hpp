@@ -23,4 +23,8 @@ struct ProgramEnd {
 ProgramEnd run_program(const std::vector<std::string>& arguments, const std::string& input,
                        double timeout_s);
 
+/// Goes on as arguments[0], looked up in PATH, with this process's id and streams.
+/// @throws UsageError saying why it cannot
+[[noreturn]] void become_program(const std::vector<std::string>& arguments);
+
 }  // namespace c3rt::cli

@@ -119,11 +119,7 @@ void become_python(const Seat& seat, const std::string& module, const std::strin
       python,      "-m",   module, write_scene(scene), "--domain", std::to_string(seat.domain),
       "--profile", profile};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> raw;
-  for (std::string& word : words) raw.push_back(word.data());
-  raw.push_back(nullptr);
-  execvp(python.c_str(), raw.data());
-  throw UsageError(python + ": " + std::strerror(errno));
+  become_program(words);
 }
 
 }  // namespace c3rt::cli

@@ -34,17 +34,16 @@ using std::chrono::steady_clock;
   sigprocmask(SIG_SETMASK, &none, nullptr);
   signal(SIGPIPE, SIG_DFL);
   const int nothing = open("/dev/null", O_RDONLY);
-  if (nothing < 0 || dup2(nothing, 0) < 0 || dup2(log, 1) < 0 || dup2(log, 2) < 0) give_up();
+  if (nothing < 0 || dup2(nothing, 0) < 0) give_up();
+  if (log >= 0 && (dup2(log, 1) < 0 || dup2(log, 2) < 0)) give_up();
   execv(arguments[0], arguments);
   give_up();
   _exit(127);
 }
 
-}  // namespace
-
-Supervisor::~Supervisor() { stop(); }
-
-void Supervisor::start(const ChildSpec& spec) {
+/// @return a descriptor, -1 where there is to be none
+int open_log(const ChildSpec& spec) {
+  if (spec.log.empty()) return -1;
   std::error_code error;
   std::filesystem::create_directories(spec.log.parent_path(), error);
   const int log =
@@ -53,9 +52,18 @@ void Supervisor::start(const ChildSpec& spec) {
   if (log < 0)
     throw std::runtime_error(spec.name + ": cannot write " + spec.log.string() + ": " +
                              std::strerror(errno));
+  return log;
+}
+
+}  // namespace
+
+Supervisor::~Supervisor() { stop(); }
+
+void Supervisor::start(const ChildSpec& spec) {
+  const int log = open_log(spec);
   int errors[2];
   if (pipe2(errors, O_CLOEXEC) != 0) {
-    close(log);
+    if (log >= 0) close(log);
     throw std::runtime_error(spec.name + ": " + std::strerror(errno));
   }
   std::vector<char*> arguments;
@@ -67,7 +75,7 @@ void Supervisor::start(const ChildSpec& spec) {
   const pid_t pid = fork();
   if (pid == 0) become(arguments.data(), log, errors[1], parent);
   const int fork_error = errno;
-  close(log);
+  if (log >= 0) close(log);
   close(errors[1]);
   // the pipe closes by itself when exec succeeds
   int reason = pid < 0 ? fork_error : 0;

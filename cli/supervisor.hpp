@@ -13,7 +13,7 @@ namespace c3rt::cli {
 struct ChildSpec {
   std::string name;                    // "planner"
   std::vector<std::string> arguments;  // of exec, the program's path first
-  std::filesystem::path log;           // its standard output and error
+  std::filesystem::path log;           // its standard output and error; empty: ours
   bool again = false;                  // started anew: behind what the log has
 };
 

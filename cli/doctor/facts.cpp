@@ -199,7 +199,7 @@ std::vector<ToolFacts> tools() {
   std::vector<ToolFacts> all{
       {"gnuplot", "apt install gnuplot-nox", "pictures (run, reproduce, campaign, latency)"},
       {"coacd", "pip install coacd", "convex pieces (object add --decompose)"},
-      {"python3", "apt install python3", "workers on other machines (campaign --engine dask)"}};
+      {"python3", "apt install python3", "many runs (campaign, tune, reproduce)"}};
   for (ToolFacts& tool : all) tool.found = in_path(tool.program);
   return all;
 }

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "cli/campaign/seeds.hpp"
-#include "cli/campaign/table.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/open_loop.hpp"
 #include "cli/reproduce/rolling.hpp"
@@ -33,10 +31,10 @@ const std::vector<std::string> kScenarios{"circle_slow", "circle_fast"};
 constexpr int kQuestions = 40;
 
 /// The scenario with settings of the projection's own, if there is one, else that of all.
-campaign::RunSpec spec_of(const std::string& scenario, const Variant& variant) {
+RunSpec spec_of(const std::string& scenario, const Variant& variant) {
   const std::vector<std::string> names = scenario_names();
   const std::string own = scenario + "_" + variant.name;
-  campaign::RunSpec spec;
+  RunSpec spec;
   if (std::find(names.begin(), names.end(), own) != names.end()) {
     spec.scenario = own;
   } else {
@@ -48,9 +46,9 @@ campaign::RunSpec spec_of(const std::string& scenario, const Variant& variant) {
 
 /// Median over the runs of one figure of their reports; NaN where none gives it.
 template <typename Figure>
-double median(const std::vector<campaign::RunResult>& runs, Figure figure_of) {
+double median(const std::vector<Run>& runs, Figure figure_of) {
   std::vector<double> values;
-  for (const campaign::RunResult& run : runs) {
+  for (const Run& run : runs) {
     const double value = figure_of(run.report);
     if (std::isfinite(value)) values.push_back(value);
   }
@@ -68,37 +66,32 @@ std::vector<double> excess(const std::vector<double>& costs, const std::vector<d
 
 void closed_loop(const Context& context, const std::string& scenario, Rows& rows,
                  ordered_json& results) {
-  const std::vector<std::uint64_t> seeds = campaign::parse_seeds(context.settings().seeds);
-  std::vector<campaign::RunSpec> specs;
+  std::vector<RunSpec> specs;
   for (const Variant& variant : kVariants) {
-    for (const std::uint64_t seed : seeds) {
-      campaign::RunSpec spec = spec_of(scenario, variant);
-      spec.name = fmt::format("{}-{}-{:04}", scenario, variant.name, seed);
-      spec.seed = seed;
-      spec.logs = variant.name == kVariants.front().name && seed == seeds.front();
-      specs.push_back(spec);
-    }
+    RunSpec spec = spec_of(scenario, variant);
+    spec.name = fmt::format("{}-{}", scenario, variant.name);
+    spec.seeds = context.settings().seeds;
+    specs.push_back(spec);
   }
-  const std::vector<campaign::RunResult> all = context.runs(specs);
+  const std::vector<RunGroup> groups = context.groups(specs);
   rows.push_back({scenario + ", closed loop"});
   for (std::size_t i = 0; i < kVariants.size(); ++i) {
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(i * seeds.size());
-    const std::vector<campaign::RunResult> runs(first,
-                                                first + static_cast<std::ptrdiff_t>(seeds.size()));
-    const campaign::Summary summary = campaign::summarise(runs);
+    const std::vector<Run>& runs = groups[i].runs;
+    const ordered_json& success = groups[i].summary.at("success");
     const auto value = [&runs](const char* path, double factor) {
       const auto of_report = [path](const ordered_json& report) { return figure(report, path); };
       return shown(median(runs, of_report) * factor, 3);
     };
     const double seconds_a_circle = median(runs, mean_loop_time);
     rows.push_back({kVariants[i].label,
-                    fmt::format("{} of {}", summary.success.successes, summary.success.count),
+                    fmt::format("{} of {}", success.at("successes").get<int>(),
+                                success.at("count").get<int>()),
                     value("loops_completed", 1), shown(seconds_a_circle, 3),
                     value("objects.0.in_band_2cm", 100), value("objects.0.in_band_1cm", 100),
                     value("objects.0.rms_error_m", 1e3), value("objects.0.max_error_m", 1e3),
                     value("planner.solve_time_s.p50", 1e3),
                     value("planner.solve_time_s.p99", 1e3)});
-    results[scenario][kVariants[i].name] = campaign::to_json(summary, runs);
+    results[scenario][kVariants[i].name] = groups[i].summary;
     results[scenario][kVariants[i].name]["seconds_a_circle"] = cli::number(seconds_a_circle);
     results[scenario][kVariants[i].name]["scenario"] = runs.front().spec.scenario;
     results[scenario][kVariants[i].name]["overrides"] = runs.front().spec.overrides;
@@ -111,10 +104,10 @@ ordered_json to_json(const std::vector<double>& values) {
 }
 
 void open_loop(const Context& context, Rows& rows, ordered_json& results) {
-  campaign::RunSpec spec = spec_of(kScenarios.front(), kVariants.front());
+  RunSpec spec = spec_of(kScenarios.front(), kVariants.front());
   spec.name = "recorded";
   spec.logs = true;
-  const campaign::RunResult run = context.runs({spec}).front();
+  const Run run = context.runs({spec}).front();
   const config::Scenario judge = scenario_of(spec);
   const std::vector<Question> asked = questions(run, judge, kQuestions);
   const double period = 1.0 / judge.planner.rate;  // what a planner has for one answer [s]

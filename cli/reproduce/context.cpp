@@ -54,25 +54,18 @@ ordered_json Context::part(const std::string& name, const std::string& scenario,
   return value;
 }
 
-std::vector<campaign::RunResult> Context::runs(std::vector<campaign::RunSpec> specs) const {
-  for (campaign::RunSpec& spec : specs) {
+std::vector<RunGroup> Context::groups(std::vector<RunSpec> specs) const {
+  for (RunSpec& spec : specs) {
     spec.name = settings_.what + "-" + spec.name;
     if (settings_.quick) spec.duration = kQuickRun;
   }
-  campaign::RunSettings how;
-  how.folder = out_ / "runs";
-  how.fresh = settings_.fresh;
-  how.title = settings_.what;
-  how.stop = stop_;
-  std::vector<campaign::RunResult> results = campaign::run_all(specs, how);
-  if (results.size() < specs.size()) throw Interrupted{};
-  for (const campaign::RunResult& result : results) {
-    if (result.kept)
-      fmt::print(stderr, "{}: kept from an earlier run ({})\n", result.spec.name,
-                 result.folder.string());
-    if (result.report.is_null()) throw std::runtime_error(result.failure);
-  }
-  return results;
+  return run_all(specs, {out_ / "runs", settings_.what, settings_.fresh, stop_});
+}
+
+std::vector<Run> Context::runs(const std::vector<RunSpec>& specs) const {
+  std::vector<Run> all;
+  for (RunGroup& group : groups(specs)) all.push_back(std::move(group.runs.front()));
+  return all;
 }
 
 void Context::finish(const ordered_json& results, const std::string& title,

@@ -7,20 +7,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/campaign/runs.hpp"
 #include "cli/example/scenario.hpp"
 #include "cli/report/json.hpp"
 #include "cli/report/panels.hpp"
 #include "cli/report/text_table.hpp"
 #include "cli/reproduce/reproduce.hpp"
+#include "cli/reproduce/runs.hpp"
 
 namespace c3rt::cli::reproduce {
 
 using nlohmann::ordered_json;
 using Overrides = std::vector<std::string>;
-
-/// Thrown where a person's wish to end is noticed.
-struct Interrupted {};
 
 class Context {
  public:
@@ -43,8 +40,10 @@ class Context {
   /// Runs of the four processes in lockstep, several at once, each in runs/WHAT-NAME; those of an
   /// earlier call with the same scenario, settings and programs are kept. Short where a quick look
   /// is wanted.
-  /// @throws std::runtime_error where a process failed
-  std::vector<campaign::RunResult> runs(std::vector<campaign::RunSpec> specs) const;
+  /// @throws as run_all
+  std::vector<RunGroup> groups(std::vector<RunSpec> specs) const;
+  /// The one run of each of these specs.
+  std::vector<Run> runs(const std::vector<RunSpec>& specs) const;
 
   /// Where finish() expects the picture.
   std::filesystem::path picture() const { return out_ / (settings_.what + ".png"); }

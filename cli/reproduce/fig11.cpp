@@ -18,9 +18,9 @@ constexpr Side kSides[] = {{"slow", "circle_slow", "slow, no noise", 30.0, 1.0},
 }  // namespace
 
 void fig11(const Context& context) {
-  std::vector<campaign::RunSpec> specs;
+  std::vector<RunSpec> specs;
   for (const Side& side : kSides) {
-    campaign::RunSpec spec{side.name, side.scenario};
+    RunSpec spec{side.name, side.scenario};
     spec.logs = true;
     specs.push_back(spec);
   }
@@ -63,7 +63,7 @@ void fig11(const Context& context) {
     }
     results[side.name] = {
         {"paper", {{"loop_time_s", side.paper_loop}, {"in_band_2cm", side.paper_band}}},
-        {"command", campaign::replay_command(runs[i].spec)},
+        {"command", runs[i].command},
         {"report", report}};
   }
   fmt::print(

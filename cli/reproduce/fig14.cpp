@@ -17,9 +17,9 @@ constexpr const char* kAxisColors[] = {"#d04020", "#1b7837", "#1f5fd0"};
 }  // namespace
 
 void fig14(const Context& context) {
-  campaign::RunSpec spec{"vision", "circle_vision"};
+  RunSpec spec{"vision", "circle_vision"};
   spec.logs = true;
-  const campaign::RunResult run = context.runs({spec}).front();
+  const Run run = context.runs({spec}).front();
   const EndEffectorTrack track = end_effector_track(run);
 
   std::vector<double> errors;
@@ -61,7 +61,7 @@ void fig14(const Context& context) {
                {"error, largest [mm]", shown(1e3 * measured.max), "< 3"},
                {"below 3 mm [% of the time]", shown(100.0 * share), "100"}});
   const ordered_json results{{"what", "fig14"},
-                             {"command", campaign::replay_command(run.spec)},
+                             {"command", run.command},
                              {"paper", {{"bound_m", kPaperLimit}}},
                              {"tracking_error_m", quantiles(measured)},
                              {"share_below_3mm", share},

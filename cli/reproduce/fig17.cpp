@@ -6,10 +6,10 @@
 namespace c3rt::cli::reproduce {
 
 void fig17(const Context& context) {
-  campaign::RunSpec spec{"vision", "circle_vision"};
+  RunSpec spec{"vision", "circle_vision"};
   spec.overrides = {"task.loops=5", "task.duration_s=240"};
   spec.logs = true;
-  const campaign::RunResult run = context.runs({spec}).front();
+  const Run run = context.runs({spec}).front();
   const ordered_json& report = run.report;
   const ObjectTrack track = object_track(run);
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -38,7 +38,7 @@ void fig17(const Context& context) {
                {"planner [Hz]", value("planner.rate_hz", 1), "70 to 80"}});
   const ordered_json results{
       {"what", "fig17"},
-      {"command", campaign::replay_command(run.spec)},
+      {"command", run.command},
       {"paper", {{"loop_time_s", 35.0}, {"max_error_m", 0.05}, {"vision_error_m", 0.001}}},
       {"mean_loop_time_s", cli::number(mean_time)},
       {"mean_offset_m", {offset.x(), offset.y()}},

@@ -7,7 +7,7 @@ namespace c3rt::cli::reproduce {
 namespace {
 
 /// The error to the desired point of the time, and to the way-point that is held then [mm].
-Panel error_panel(const TimedPath& path, const campaign::RunResult& run) {
+Panel error_panel(const TimedPath& path, const Run& run) {
   const auto readings = scenario_of(run.spec).task.motion.readings();
   const task::Task &held = readings.at(0).second, &moving = readings.at(1).second;
   const ObjectTrack track = object_track(run);

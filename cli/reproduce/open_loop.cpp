@@ -88,17 +88,16 @@ Eigen::Vector3d vector(const std::vector<double>& row, std::size_t at) {
 
 }  // namespace
 
-std::vector<Question> questions(const campaign::RunResult& run, const config::Scenario& scenario,
-                                int count) {
+std::vector<Question> questions(const Run& run, const config::Scenario& scenario, int count) {
   const std::filesystem::path logs = tables_of(run);
-  const auto objects = campaign::read_columns(
-      logs / "sim_scene.csv",
-      {"time_ns", "objects_0_p_WB_m_0", "objects_0_p_WB_m_1", "objects_0_p_WB_m_2",
-       "objects_0_v_WB_m_per_s_0", "objects_0_v_WB_m_per_s_1", "objects_0_v_WB_m_per_s_2",
-       "objects_0_omega_rad_per_s_0", "objects_0_omega_rad_per_s_1",
-       "objects_0_omega_rad_per_s_2"});
-  const auto states = campaign::read_columns(logs / "robot_state.csv",
-                                             {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"});
+  const auto objects =
+      read_columns(logs / "sim_scene.csv",
+                   {"time_ns", "objects_0_p_WB_m_0", "objects_0_p_WB_m_1", "objects_0_p_WB_m_2",
+                    "objects_0_v_WB_m_per_s_0", "objects_0_v_WB_m_per_s_1",
+                    "objects_0_v_WB_m_per_s_2", "objects_0_omega_rad_per_s_0",
+                    "objects_0_omega_rad_per_s_1", "objects_0_omega_rad_per_s_2"});
+  const auto states =
+      read_columns(logs / "robot_state.csv", {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"});
   const std::vector<double> instants = c3_instants(run);
 
   const planner::Parameters& parameters = scenario.planner;

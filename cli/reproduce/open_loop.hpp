@@ -18,8 +18,7 @@ struct Question {
 };
 
 /// Instants of a run, as many as wanted and evenly spread over it.
-std::vector<Question> questions(const campaign::RunResult& run, const config::Scenario& scenario,
-                                int count);
+std::vector<Question> questions(const Run& run, const config::Scenario& scenario, int count);
 
 /// How good the inputs are that an algorithm gives: the cost of (15) when the planning LCS is
 /// simulated with them.

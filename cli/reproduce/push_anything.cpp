@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "cli/campaign/seeds.hpp"
-#include "cli/campaign/statistics.hpp"
 #include "cli/paths.hpp"
 #include "cli/reproduce/context.hpp"
+#include "controller/base/quantile.hpp"
 
 namespace c3rt::cli::reproduce {
 namespace {
@@ -44,10 +43,9 @@ const std::vector<Case> kCases{
     {"push_t", "T, plans 20 ms late", {"timing.solve_time_s=0.02"}, "-"}};
 
 /// Sorted, of the runs that give it.
-std::vector<double> of_runs(const std::vector<campaign::RunResult>& runs, const char* path,
-                            double factor) {
+std::vector<double> of_runs(const std::vector<Run>& runs, const char* path, double factor) {
   std::vector<double> values;
-  for (const campaign::RunResult& run : runs) {
+  for (const Run& run : runs) {
     const ordered_json& value =
         run.report.at(ordered_json::json_pointer(std::string("/task/") + path));
     if (value.is_number()) values.push_back(factor * value.get<double>());
@@ -56,51 +54,47 @@ std::vector<double> of_runs(const std::vector<campaign::RunResult>& runs, const 
   return values;
 }
 
+/// @param values sorted
 std::string median_and_95(const std::vector<double>& values) {
   if (values.empty()) return "-";
-  const campaign::Distribution of = campaign::distribution(values, false);
-  return fmt::format("{}; {}", shown(of.median, 3), shown(of.p95, 3));
+  return fmt::format("{}; {}", shown(base::quantile_linear(values, 0.5), 3),
+                     shown(base::quantile_linear(values, 0.95), 3));
 }
 
 }  // namespace
 
 void push_anything(const Context& context) {
   const std::vector<std::string> names = scenario_names();
-  const std::vector<std::uint64_t> seeds = campaign::parse_seeds(context.settings().seeds);
   std::vector<Case> cases;
   std::copy_if(kCases.begin(), kCases.end(), std::back_inserter(cases), [&names](const Case& c) {
     return std::find(names.begin(), names.end(), c.scenario) != names.end();
   });
   if (context.settings().quick) cases.resize(2);
-  std::vector<campaign::RunSpec> specs;
+  std::vector<RunSpec> specs;
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    for (const std::uint64_t seed : seeds) {
-      campaign::RunSpec spec;
-      spec.name = fmt::format("{:02}-{}-{:04}", i, cases[i].scenario, seed);
-      spec.scenario = cases[i].scenario;
-      spec.seed = seed;
-      spec.overrides = cases[i].overrides;
-      spec.in_process = true;
-      specs.push_back(spec);
-    }
+    RunSpec spec;
+    spec.name = fmt::format("{:02}-{}", i, cases[i].scenario);
+    spec.scenario = cases[i].scenario;
+    spec.seeds = context.settings().seeds;
+    spec.overrides = cases[i].overrides;
+    spec.in_process = true;
+    specs.push_back(spec);
   }
-  const std::vector<campaign::RunResult> all = context.runs(specs);
+  const std::vector<RunGroup> groups = context.groups(specs);
 
   ordered_json results{{"what", "push_anything"}, {"seeds", context.settings().seeds}};
   Rows rows{{"", "reached", "share, 95 % interval [%]", "time, median; 95 % [s]",
              "end, median; 95 % [mm]", "and [deg]", "published [s]"}};
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(i * seeds.size());
-    const std::vector<campaign::RunResult> runs(first,
-                                                first + static_cast<std::ptrdiff_t>(seeds.size()));
-    const auto reached = static_cast<int>(std::count_if(
-        runs.begin(), runs.end(), [](const campaign::RunResult& run) { return run.status == 0; }));
-    const campaign::Proportion share = campaign::wilson(reached, static_cast<int>(runs.size()));
+    const std::vector<Run>& runs = groups[i].runs;
+    const ordered_json& success = groups[i].summary.at("success");
+    const int reached = success.at("successes");
     const std::vector<double> times = of_runs(runs, "goal_time_s", 1.0),
                               ends = of_runs(runs, "end_position_error_m", 1e3),
                               turns = of_runs(runs, "end_angle_error_rad", 180.0 / M_PI);
     rows.push_back({cases[i].label, fmt::format("{} of {}", reached, runs.size()),
-                    fmt::format("{:.0f} to {:.0f}", 100.0 * share.low, 100.0 * share.high),
+                    fmt::format("{:.0f} to {:.0f}", 100.0 * success.at("low").get<double>(),
+                                100.0 * success.at("high").get<double>()),
                     median_and_95(times), median_and_95(ends), median_and_95(turns),
                     cases[i].published});
     results["cases"].push_back({{"case", cases[i].label},

@@ -48,6 +48,8 @@ int reproduce(const Settings& settings, const Stop& stop) {
     fmt::print(stderr,
                "interrupted; what was finished is kept, and the same command goes on from there\n");
     return kCriterionFailed;
+  } catch (const NoRuns& failure) {
+    return failure.status;
   }
   return kDone;
 }

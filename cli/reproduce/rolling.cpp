@@ -19,11 +19,11 @@ double seconds(double nanoseconds) { return 1e-9 * nanoseconds; }
 
 }  // namespace
 
-config::Scenario scenario_of(const campaign::RunSpec& spec) {
+config::Scenario scenario_of(const RunSpec& spec) {
   return config::load_scenario(scenario_path(spec.scenario).string(), spec.overrides);
 }
 
-std::filesystem::path tables_of(const campaign::RunResult& run) {
+std::filesystem::path tables_of(const Run& run) {
   std::filesystem::path folder = run.folder / "tables";
   if (!std::filesystem::is_directory(folder)) {
     // whole or not at all: what is left of an interrupted one is begun again
@@ -36,10 +36,9 @@ std::filesystem::path tables_of(const campaign::RunResult& run) {
   return folder;
 }
 
-std::vector<double> c3_instants(const campaign::RunResult& run) {
+std::vector<double> c3_instants(const Run& run) {
   std::vector<double> instants;
-  for (const auto& plan :
-       campaign::read_cells(tables_of(run) / "plan.csv", {"phase", "state_ns"})) {
+  for (const auto& plan : read_cells(tables_of(run) / "plan.csv", {"phase", "state_ns"})) {
     if (wire::is_at_task(plan[0])) instants.push_back(std::strtod(plan[1].c_str(), nullptr));
   }
   if (instants.empty())
@@ -47,11 +46,11 @@ std::vector<double> c3_instants(const campaign::RunResult& run) {
   return instants;
 }
 
-ObjectTrack object_track(const campaign::RunResult& run, int object) {
+ObjectTrack object_track(const Run& run, int object) {
   const double start = c3_instants(run).front();
-  const auto rows = campaign::read_columns(tables_of(run) / "sim_scene.csv",
-                                           {"time_ns", fmt::format("objects_{}_p_WB_m_0", object),
-                                            fmt::format("objects_{}_p_WB_m_1", object)});
+  const auto rows = read_columns(tables_of(run) / "sim_scene.csv",
+                                 {"time_ns", fmt::format("objects_{}_p_WB_m_0", object),
+                                  fmt::format("objects_{}_p_WB_m_1", object)});
   ObjectTrack track;
   for (const auto& row : rows) {
     if (row[0] < start) continue;
@@ -61,14 +60,14 @@ ObjectTrack object_track(const campaign::RunResult& run, int object) {
   return track;
 }
 
-EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
+EndEffectorTrack end_effector_track(const Run& run) {
   const double start = c3_instants(run).front();
   std::map<double, Eigen::Vector3d> states;  // by time [ns]
-  for (const auto& row : campaign::read_columns(tables_of(run) / "robot_state.csv",
-                                                {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"}))
+  for (const auto& row : read_columns(tables_of(run) / "robot_state.csv",
+                                      {"time_ns", "p_WE_m_0", "p_WE_m_1", "p_WE_m_2"}))
     states.emplace(row[0], Eigen::Vector3d(row[1], row[2], row[3]));
   EndEffectorTrack track;
-  for (const auto& row : campaign::read_columns(
+  for (const auto& row : read_columns(
            tables_of(run) / "robot_command.csv",
            {"state_ns", "mode", "p_WE_desired_m_0", "p_WE_desired_m_1", "p_WE_desired_m_2"})) {
     const auto state = states.find(row[0]);
@@ -82,7 +81,7 @@ EndEffectorTrack end_effector_track(const campaign::RunResult& run) {
   return track;
 }
 
-PathPlot path_plot(const std::string& title, const campaign::RunResult& run) {
+PathPlot path_plot(const std::string& title, const Run& run) {
   const config::Scenario scenario = scenario_of(run.spec);
   const ObjectTrack track = object_track(run);
   Eigen::AlignedBox2d start;

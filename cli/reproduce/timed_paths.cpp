@@ -4,10 +4,10 @@
 
 namespace c3rt::cli::reproduce {
 
-std::vector<campaign::RunResult> timed_path_runs(const Context& context) {
-  std::vector<campaign::RunSpec> specs;
+std::vector<Run> timed_path_runs(const Context& context) {
+  std::vector<RunSpec> specs;
   for (const TimedPath& path : kTimedPaths) {
-    campaign::RunSpec spec{path.name, path.scenario};
+    RunSpec spec{path.name, path.scenario};
     spec.overrides = {"vision.source=cameras"};
     spec.logs = true;
     specs.push_back(spec);
@@ -15,7 +15,7 @@ std::vector<campaign::RunResult> timed_path_runs(const Context& context) {
   return context.runs(specs);
 }
 
-Rows timed_path_rows(const std::vector<campaign::RunResult>& runs) {
+Rows timed_path_rows(const std::vector<Run>& runs) {
   Rows rows{{"after the first second"},
             {"to x_d(t), rms [mm]"},
             {"to x_d(t), 95 % [mm]"},
@@ -48,11 +48,10 @@ Rows timed_path_rows(const std::vector<campaign::RunResult>& runs) {
   return rows;
 }
 
-ordered_json timed_path_results(const char* what, const std::vector<campaign::RunResult>& runs) {
+ordered_json timed_path_results(const char* what, const std::vector<Run>& runs) {
   ordered_json results{{"what", what}, {"paper", {{"band_m", kBand}}}};
   for (std::size_t i = 0; i < runs.size(); ++i)
-    results[kTimedPaths[i].name] = {{"command", campaign::replay_command(runs[i].spec)},
-                                    {"report", runs[i].report}};
+    results[kTimedPaths[i].name] = {{"command", runs[i].command}, {"report", runs[i].report}};
   return results;
 }
 

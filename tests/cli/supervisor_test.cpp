@@ -5,6 +5,7 @@
 #include <string>
 
 #include <catch2/catch.hpp>
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -52,6 +53,21 @@ TEST_CASE("an exit that nobody asked for is reported with its status") {
   std::optional<ChildExit> end;
   REQUIRE(eventually([&] { return (end = supervisor.poll()).has_value(); }));
   REQUIRE(end->reason == "exited with status 2");
+}
+
+TEST_CASE("a child without a log says it where its parent does") {
+  Folder folder;
+  const fs::path said = folder.path() / "said";
+  const int ours = dup(STDERR_FILENO);
+  const int file = open(said.c_str(), O_WRONLY | O_CREAT, 0600);
+  dup2(file, STDERR_FILENO);
+  Supervisor supervisor;
+  supervisor.start({"planner", {"/bin/bash", "-c", "echo 'half way' >&2"}, {}});
+  dup2(ours, STDERR_FILENO);
+  close(ours);
+  close(file);
+  REQUIRE(eventually([&] { return supervisor.poll().has_value(); }));
+  CHECK(tail(said, 1) == "half way\n");
 }
 
 TEST_CASE("stop asks with SIGTERM first, and a child that obeys ends in its own way") {

@@ -84,6 +84,9 @@ live() {
 
   say "a lockstep scenario by the services' user, plain and with keys"
   as_service c3rt run circle_slow --clock lockstep --no-pictures --out /tmp/plain || fail "c3rt run"
+  # too short for its criteria
+  as_service c3rt campaign cart_pole --seeds 1..2 --duration 0.2 --out /tmp/campaign || [ $? = 1 ] || fail "c3rt campaign"
+  [ -e "$bare/tmp/campaign/campaign.json" ] || fail "c3rt campaign leaves no table"
   as_service c3rt keys init --out /var/lib/c3rt/keys || fail "c3rt keys init"
   as_service c3rt run circle_slow --clock lockstep --no-pictures --profile secure --out /tmp/secure || fail "c3rt run, secure"
 

@@ -35,7 +35,7 @@ TEST_CASE("fig11: both circles run, and the tracks of their logs agree with thei
   CHECK(results.at("slow").at("paper").at("loop_time_s") == 30.0);
   CHECK(results.at("fast").at("report").at("scenario") == "circle_fast");
 
-  campaign::RunResult run;
+  Run run;
   run.folder = folder.path() / "runs" / "fig11-slow";
   run.report = results.at("slow").at("report");
   const ObjectTrack track = object_track(run);

@@ -1,0 +1,106 @@
+#include "cli/evaluation.hpp"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/paths.hpp"
+#include "cli/program.hpp"
+#include "config/directory.hpp"
+
+namespace c3rt::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Packages = std::vector<std::string>;
+
+constexpr double kImport = 60.0;  // of packages, from a cold disk [s]
+
+/// A Python that has the packages: C3RT_PYTHON, that of the PATH, or Debian's.
+/// @param wanted by whom, for the message @throws UsageError naming which were looked at
+std::string python_with(const std::string& wanted, const Packages& packages) {
+  const char* chosen = std::getenv("C3RT_PYTHON");
+  std::vector<std::string> candidates{"python3", "/usr/bin/python3"};
+  if (chosen != nullptr) candidates = {chosen};
+  std::string imports;
+  for (const std::string& package : packages) imports += "import " + package + "\n";
+  for (const std::string& candidate : candidates) {
+    if (run_program({candidate, "-c", imports}, "", kImport).ok()) return candidate;
+  }
+  const std::string what =
+      packages.empty() ? "" : fmt::format(" with the package {}", fmt::join(packages, " and "));
+  const std::string how =
+      packages.empty() ? "Debian: python3"
+                       : fmt::format("Debian: python3-{}; pip: {}",
+                                     fmt::join(packages, " python3-"), fmt::join(packages, " "));
+  throw UsageError(
+      fmt::format("{}: no Python{} (looked at: {}); install it ({}) or name a Python that has it "
+                  "in C3RT_PYTHON",
+                  wanted, what, fmt::join(candidates, ", "), how));
+}
+
+ordered_json order_of(const EngineSettings& settings) {
+  return {{"program", (binary_directory() / "c3rt").string()},
+          {"duration", settings.duration ? ordered_json(*settings.duration) : ordered_json()},
+          {"at_once", settings.at_once},
+          {"fresh", settings.fresh},
+          {"engine", settings.engine},
+          {"address", settings.address}};
+}
+
+/// @param packages that are needed besides those of the engine
+[[noreturn]] void become(const std::string& command, const EngineSettings& settings,
+                         Packages packages, const ordered_json& order) {
+  const bool on_dask = settings.engine == "dask";
+  if (on_dask) packages.emplace_back("distributed");
+  become_program(
+      evaluation_words(on_dask ? "--engine dask" : "c3rt " + command, packages, command, order));
+}
+
+}  // namespace
+
+Packages evaluation_words(const std::string& wanted, const Packages& packages,
+                          const std::string& command, const ordered_json& order) {
+  const std::string python = python_with(wanted, packages);
+  // beside the scenarios, in the sources and where it is installed
+  std::string path = (config::directory().parent_path() / "python").string();
+  const char* others = std::getenv("PYTHONPATH");
+  if (others != nullptr && *others != '\0') path += std::string(":") + others;
+  setenv("PYTHONPATH", path.c_str(), 1);
+  // what is installed stays as it was installed
+  return {python, "-B", "-m", "c3rt.evaluation", command, order.dump()};
+}
+
+void campaign(const CampaignSettings& settings) {
+  ordered_json order = order_of(settings);
+  order.update({{"scenario", settings.scenario},
+                {"seeds", settings.seeds},
+                {"overrides", settings.overrides},
+                {"out", settings.out},
+                {"logs", settings.logs},
+                {"pictures", settings.pictures},
+                {"in_process", settings.in_process}});
+  become("campaign", settings, {}, order);
+}
+
+void tune(const TuneSettings& settings) {
+  ordered_json order = order_of(settings);
+  order.update({{"scenario", settings.scenario},
+                {"overrides", settings.overrides},
+                {"linear", settings.linear},
+                {"log", settings.log},
+                {"whole", settings.whole},
+                {"minimise", settings.minimise},
+                {"maximise", settings.maximise},
+                {"seeds", settings.seeds},
+                {"test_seeds", settings.test_seeds},
+                {"generations", settings.generations},
+                {"population", settings.population},
+                {"sigma", settings.sigma},
+                {"seed", settings.seed},
+                {"out", settings.out}});
+  become("tune", settings, {"cmaes"}, order);
+}
+
+}  // namespace c3rt::cli

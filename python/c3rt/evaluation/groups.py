@@ -1,0 +1,67 @@
+"""Groups of runs for `c3rt reproduce`: each one scenario with one seed or several."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from dataclasses import dataclass, field
+from typing import Any, Dict, Iterator, List, Optional, Sequence
+
+from .engine import Stop
+from .files import make_folder, write_text
+from .runs import EngineSettings, RunResult, RunSpec, replay_command, run_all, run_settings
+from .seeds import parse_seeds
+from .status import CRITERION_FAILED, DONE, PROCESS_FAILED, complain, say
+from .summary import summarise, to_json
+
+
+@dataclass(frozen=True)
+class Group:
+    name: str  # of its folder; of several seeds NAME-0007
+    scenario: str  # name or path
+    seeds: str = ""  # parse_seeds(); empty: the first alone
+    overrides: List[str] = field(default_factory=list)
+    duration: Optional[float] = None  # [s]; None: the scenario's
+    logs: bool = False
+    in_process: bool = False
+
+    def specs(self) -> Iterator[RunSpec]:
+        for seed in parse_seeds(self.seeds) if self.seeds else [1]:
+            name = f"{self.name}-{seed:04}" if self.seeds else self.name
+            yield RunSpec(name, self.scenario, seed, self.overrides, self.duration, self.logs, in_process=self.in_process)
+
+
+@dataclass(frozen=True)
+class Settings(EngineSettings):
+    folder: str = ""  # each run has its own below it
+    title: str = ""  # on the line that tells how far it is
+    groups: List[Dict[str, Any]] = field(default_factory=list)  # of Group
+    answer: str = ""  # file of the results
+
+
+def run(settings: Settings, stop: Stop) -> int:
+    """Makes the runs and writes, of each group in their order, its summary and its runs.
+
+    Returns DONE, CRITERION_FAILED where it was interrupted, PROCESS_FAILED where a run has no report, which has been said.
+    """
+    groups = [list(Group(**group).specs()) for group in settings.groups]
+    specs = [spec for group in groups for spec in group]
+    results = run_all(specs, run_settings(settings, stop), make_folder(pathlib.Path(settings.folder)), settings.title)
+    if len(results) < len(specs):
+        return CRITERION_FAILED
+    for result in results:
+        if result.kept:
+            say(f"{result.spec.name}: kept from an earlier run ({result.folder})")
+        if result.report is None:
+            complain(result.failure)
+            return PROCESS_FAILED
+    rest = iter(results)
+    told = [_json([next(rest) for _ in group]) for group in groups]
+    write_text(pathlib.Path(settings.answer), json.dumps(told, ensure_ascii=False))
+    return DONE
+
+
+def _json(results: Sequence[RunResult]) -> Dict[str, Any]:
+    runs = [{"folder": str(result.folder), "report": result.report, "command": replay_command(result.spec)}
+            for result in results]
+    return {"summary": to_json(summarise(results), results), "runs": runs}
