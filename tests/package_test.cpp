@@ -81,15 +81,17 @@ TEST_CASE("package: programs with any flags build, run and print the same bits")
           quoted(consumer) + " '-Dconsumers=" + list + "'" + flags);
   succeed(cmake + " --build " + quoted(consumer));
 
-  // a client, and the example of a planner of one's own
+  // a client, and the examples of a planner, an estimator and a camera of one's own
   const c3rt::support::Outcome refused_domain =
       c3rt::support::outcome_of(quoted(consumer / "client") + " 231");
   CHECK(refused_domain.output == "domain: expected 0 to 230, got 231\n");
-  const fs::path planner = scratch / "cpp_planner";
-  succeed(cmake + " -S " + quoted(fs::path(C3RT_SOURCE_DIRECTORY) / "examples/cpp_planner") +
-          " -B " + quoted(planner) + flags);
-  succeed(cmake + " --build " + quoted(planner));
-  succeed(quoted(planner / "cpp_planner") + " --help");
+  for (const std::string example : {"cpp_planner", "cpp_estimator"}) {
+    const fs::path built = scratch / example;
+    succeed(cmake + " -S " + quoted(fs::path(C3RT_SOURCE_DIRECTORY) / "examples" / example) +
+            " -B " + quoted(built) + flags);
+    succeed(cmake + " --build " + quoted(built));
+    succeed(quoted(built / example) + " --help");
+  }
 
   std::string plain;
   for (const std::string& one : consumers) {

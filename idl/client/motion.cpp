@@ -1,13 +1,12 @@
 #include "idl/client/motion.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <stdexcept>
 
 #include "controller/base/time.hpp"
 #include "controller/base/words.hpp"
+#include "idl/client/settings.hpp"
 #include "idl/text.hpp"
 #include "idl/validate.hpp"
 
@@ -26,19 +25,11 @@ std::array<double, n> array(const double (&values)[n]) {
   return out;
 }
 
-template <std::size_t n>
-void fill(double (&out)[n], const std::array<double, n>& values) {
-  std::copy(values.begin(), values.end(), out);
-}
-
 void fill_knot(c3rt_v2_Knot& out, const Knot& knot) {
   fill(out.p_WE_m, knot.p);
   fill(out.v_WE_m_per_s, knot.v);
   fill(out.force_E_n, knot.force);
-  const double norm =
-      std::sqrt(std::inner_product(knot.q.begin(), knot.q.end(), knot.q.begin(), 0.0));
-  fill(out.q_WE, knot.q);
-  for (double& value : out.q_WE) value /= norm > 0.0 ? norm : 1.0;
+  fill_unit(out.q_WE, knot.q);
 }
 
 }  // namespace

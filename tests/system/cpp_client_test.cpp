@@ -1,4 +1,7 @@
 // c3rt::client beside real processes, in lockstep: what docs/clients.md promises of C++.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -26,12 +29,14 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// examples/cpp_planner; its words are in a file.
+/// A program of examples/; its words are in a file.
 class Example {
  public:
-  Example(const std::string& clock, const cli::Folder& folder)
-      : words_(folder.path() / "planner.log"),
-        process_({C3RT_CPP_PLANNER, "--clock", clock, "--domain", kDomain}, words_.string()) {}
+  Example(const std::string& clock, const cli::Folder& folder,
+          std::vector<std::string> program = {C3RT_CPP_PLANNER})
+      : words_(folder.path() / "example.log"),
+        process_(with(std::move(program), {"--clock", clock, "--domain", kDomain}),
+                 words_.string()) {}
   /// Exit status and words.
   std::pair<int, std::string> end() {
     const int status = process_.wait();
@@ -40,6 +45,12 @@ class Example {
   void signal(int number) const { process_.signal(number); }
 
  private:
+  static std::vector<std::string> with(std::vector<std::string> words,
+                                       const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
   std::filesystem::path words_;
   ChildProcess process_;
 };
@@ -47,6 +58,57 @@ class Example {
 support::Outcome c3rt_command(const std::string& arguments, const cli::Folder& folder) {
   return support::outcome_of("XDG_RUNTIME_DIR='" + folder.path().string() + "' '" +
                              test::program("c3rt") + "' " + arguments + " --domain " + kDomain);
+}
+
+/// circle_slow in lockstep with an estimator of one's own. @return its report
+nlohmann::json run_without_vision(double duration, const std::filesystem::path& out,
+                                  const cli::Folder& folder) {
+  const support::Outcome run = c3rt_command(
+      "run circle_slow --without vision --clock lockstep --no-pictures --duration " +
+          std::to_string(duration) + " --set 'criteria=[]' --out '" + out.string() + "'",
+      folder);
+  INFO(run.output);
+  REQUIRE(run.status == 0);
+  return nlohmann::json::parse(text_of(out / "report.json"));
+}
+
+/// A ball that a camera straight above sees, as examples/cpp_estimator/camera.cpp has it.
+void draw(const std::filesystem::path& file, double x, double y) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << "P5\n400 600\n255\n";
+  for (int row = 0; row < 600; ++row) {
+    for (int column = 0; column < 400; ++column) {
+      const double p_x = 0.35 + 0.001 * (column + 0.5), p_y = 0.3 - 0.001 * (row + 0.5);
+      stream.put(static_cast<char>(std::hypot(p_x - x, p_y - y) < 0.0315 ? 220 : 32));
+    }
+  }
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+/// These columns of a table, row after row.
+std::vector<std::vector<double>> columns(const std::filesystem::path& file,
+                                         const std::vector<std::string>& names) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  const std::vector<std::string> header = cells_of(line);
+  std::vector<std::vector<double>> rows;
+  while (std::getline(stream, line)) {
+    const std::vector<std::string> cells = cells_of(line);
+    std::vector<double>& row = rows.emplace_back();
+    for (const std::string& name : names) {
+      const auto at = std::find(header.begin(), header.end(), name);
+      REQUIRE(at != header.end());
+      row.push_back(std::stod(cells.at(static_cast<std::size_t>(at - header.begin()))));
+    }
+  }
+  return rows;
 }
 
 }  // namespace
@@ -141,4 +203,57 @@ TEST_CASE("cpp client: Ctrl-C and SIGTERM end a planner that waits, without a wo
     planner.signal(number);
     CHECK(planner.end() == std::pair<int, std::string>{0, ""});
   }
+}
+
+TEST_CASE(
+    "cpp client: an estimator a millimetre wrong takes vision's place, twice with the same bits") {
+  const cli::Folder folder;
+  std::string hash;
+  for (const char* turn : {"first", "second"}) {
+    Example estimator("lockstep", folder, {C3RT_CPP_ESTIMATOR});
+    const nlohmann::json report = run_without_vision(3.0, folder.path() / turn, folder);
+    CHECK(estimator.end() == std::pair<int, std::string>{0, ""});
+    const auto& client = report.at("clients").at(0);
+    CHECK(client.at("process") == "vision");
+    CHECK(client.at("problems").empty());
+    CHECK(client.at("rate_hz").get<double>() == Approx(80.0).epsilon(0.01));
+    const auto& error = report.at("vision").at("error_m");
+    CHECK(error.at("p50").get<double>() > 3e-4);
+    CHECK(error.at("p50").get<double>() < 3e-3);
+    CHECK(error.at("max").get<double>() < 6e-3);
+    if (hash.empty()) hash = report.at("log_hash");
+    CHECK(report.at("log_hash") == hash);
+  }
+}
+
+TEST_CASE("cpp client: a camera of one's own finds the ball of each file") {
+  const cli::Folder folder;
+  const std::filesystem::path files = folder.path() / "files";
+  std::filesystem::create_directories(files);
+  constexpr int kFiles = 25;
+  for (int i = 0; i < kFiles; ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "%03d.pgm", i);
+    draw(files / name, 0.55 + 0.001 * i, 0.05);
+  }
+  Example camera("lockstep", folder, {C3RT_CPP_CAMERA, files.string()});
+  const nlohmann::json report = run_without_vision(0.6, folder.path() / "out", folder);
+  CHECK(camera.end() == std::pair<int, std::string>{0, ""});
+  const std::filesystem::path recorded = folder.path() / "out" / "run.mcap";
+  const support::Outcome tables =
+      support::outcome_of("'" + test::program("c3rt") + "' export '" + recorded.string() +
+                          "' --topics object/estimate --out '" + folder.path().string() + "'");
+  INFO(tables.output);
+  REQUIRE(tables.status == 0);
+  const std::vector<std::vector<double>> seen =
+      columns(folder.path() / "object_estimate.csv", {"p_WB_m_0", "p_WB_m_1", "v_WB_m_per_s_0"});
+  REQUIRE(seen.size() >= kFiles);
+  double v = 0.0;
+  for (int i = 0; i < kFiles; ++i) {
+    const auto& row = seen[static_cast<std::size_t>(i)];
+    CHECK(row[0] == Approx(0.55 + 0.001 * i).margin(2e-4));
+    CHECK(row[1] == Approx(0.05).margin(2e-4));
+    if (i > 0) v += row[2] / (kFiles - 1);
+  }
+  CHECK(v == Approx(0.05).epsilon(0.05));
 }
