@@ -290,6 +290,46 @@ void fill_robot_contact(RobotContact& sample, const State& state) noexcept {
   sample.limit = state.cause.limit;
 }
 
+/// Of an enumeration that has the wire's names.
+template <typename Kind>
+Kind motion_kind(c3rt_v2_MotionKind kind) noexcept {
+  switch (kind) {
+    case c3rt_v2_MOTION_JOINT_POSITION:
+      return Kind::kJointPosition;
+    case c3rt_v2_MOTION_JOINT_VELOCITY:
+      return Kind::kJointVelocity;
+    case c3rt_v2_MOTION_CARTESIAN_POSE:
+      return Kind::kCartesianPose;
+    case c3rt_v2_MOTION_CARTESIAN_VELOCITY:
+      break;
+  }
+  return Kind::kCartesianVelocity;
+}
+
+/// What a motion generator commands, of a sample that was let in.
+template <typename Motion>
+void read_motion(const RobotMotion& sample, Motion& motion) noexcept {
+  motion = {};
+  motion.kind = motion_kind<decltype(motion.kind)>(sample.kind);
+  motion.joints =
+      vector(sample.kind == c3rt_v2_MOTION_JOINT_VELOCITY ? sample.dq_rad_per_s : sample.q_rad);
+  motion.p_WE = vector(sample.p_WE_m);
+  motion.q_WE = vector(sample.q_WE);
+  motion.V_WE << vector(sample.v_WE_m_per_s), vector(sample.omega_WE_rad_per_s);
+  if (sample.has_elbow) motion.elbow = {sample.elbow_q3_rad, sample.elbow_sign};
+  motion.last = sample.finished;
+}
+
+/// Thresholds of one phase.
+template <typename Thresholds>
+void read_thresholds(const c3rt_v2_ContactThresholds& sample, Thresholds& thresholds) noexcept {
+  thresholds.contact_torque = vector(sample.contact_torque_nm);
+  thresholds.collision_torque = vector(sample.collision_torque_nm);
+  thresholds.contact_force << vector(sample.contact_force_E_n), vector(sample.contact_torque_E_nm);
+  thresholds.collision_force << vector(sample.collision_force_E_n),
+      vector(sample.collision_torque_E_nm);
+}
+
 /// What an impedance controller needs of it.
 template <typename Input>
 void read_robot_state(const RobotState& sample, Input& input) noexcept {

@@ -40,6 +40,7 @@ enum class Trait {
   kAddressed,  // each sample is for one process: writers and readers may name it, and then it costs
                // nobody else anything. Who names no process writes to and reads of all.
   kAnswered,   // a request: what is refused is kept, so that it can be answered
+  kOptional,   // few runs have it: the log's hash of the others has no trace of it
 };
 
 /// Who takes part, each under an identity of its own where the bus is secure; a set of them.
@@ -85,13 +86,15 @@ struct Topic {
   TOPIC(ObjectEstimate,  "object/estimate",  kStream, kVision,    kPlanner | kClients,          0.1,      kNone)      /* >= 80 Hz */          \
   TOPIC(ObjectDetection, "object/detection", kStream, kVision,    kClients,                     0.0,      kNone)      /* camera rate */       \
   TOPIC(PlannerDebug,    "planner/debug",    kStream, kPlanner,   kClients,                     0.0,      kNone)      /* as plan */           \
+  TOPIC(RobotMotion,     "robot/motion",     kStream, kImpedance, kPlant | kClients,            0.0,      kOptional)  /* 1 kHz */             \
   TOPIC(TaskTarget,      "task/target",      kEvent,  kClients,   kPlanner | kClients,          0.0,      kAnswered)  /* on change */         \
   TOPIC(Tick,            "sim/tick",         kSync,   kPlant,     kAll,                         0.0,      kAddressed) /* lockstep */          \
   TOPIC(Done,            "sim/done",         kSync,   kAll,       kPlant | kClients,            0.0,      kNone)      /* lockstep */          \
   TOPIC(ServiceStatus,   "service/status",   kStatus, kProcesses, kClients,                     0.0,      kNone)      /* 10 Hz */             \
   TOPIC(ServiceRequest,  "service/request",  kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */         \
   TOPIC(ServiceReply,    "service/reply",    kEvent,  kAll,       kClients,                     0.0,      kNone)      /* on demand */         \
-  TOPIC(FaultInject,     "fault/inject",     kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */
+  TOPIC(FaultInject,     "fault/inject",     kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */         \
+  TOPIC(RobotOrder,      "robot/order",      kEvent,  kClients,   kPlant | kClients,            0.0,      kAnswered)  /* on demand */
 // clang-format on
 
 #define C3RT_TOPIC(Type, ...) using Type = c3rt_v2_##Type;

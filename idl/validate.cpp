@@ -35,6 +35,10 @@ constexpr int kCameras = 64;
 constexpr double kLongestPlan_s = 10.0;  // a plan is an answer to what was just seen
 constexpr double kLongest_s = 3600.0;    // of a fault, a target's lead time
 constexpr double kTargetValue = 1e6;     // of any unit
+// what a person may order of the robot
+constexpr double kLeastThreshold = 0.1, kMostThreshold = 1e3;  // of a collision [N m, N]
+constexpr double kHardestPush_n = 200.0;                       // of a hand
+constexpr double kLongestPush_s = 60.0;
 constexpr double kAnything = std::numeric_limits<double>::max();
 constexpr double kLargestSequence = 9007199254740992.0;  // 2^53: 285,000 years at 1 kHz
 
@@ -290,6 +294,75 @@ void check_ranges(const RobotCommand& s, Check& check) noexcept {
       .size("tau_nm", s.tau_nm, kTorque_nm)
       .size("p_WE_desired_m", s.p_WE_desired_m, kReach_m)
       .size("v_WE_desired_m_per_s", s.v_WE_desired_m_per_s, kEffectorSpeed_m_per_s);
+}
+
+void check_ranges(const RobotMotion& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
+      .stamps(s.origin)
+      .size("q_rad", s.q_rad, kJoint_rad)
+      .size("dq_rad_per_s", s.dq_rad_per_s, kJointSpeed_rad_per_s)
+      .size("p_WE_m", s.p_WE_m, kReach_m)
+      .size("v_WE_m_per_s", s.v_WE_m_per_s, kEffectorSpeed_m_per_s)
+      .size("omega_WE_rad_per_s", s.omega_WE_rad_per_s, kJointSpeed_rad_per_s)
+      .size("elbow_q3_rad", s.elbow_q3_rad, kJoint_rad)
+      .size("elbow_sign", s.elbow_sign, 1.0);
+  check.enumerator("kind", s.kind, -1);
+  if (check.finding()) return;
+  if (s.kind == c3rt_v2_MOTION_CARTESIAN_POSE) {
+    check.unit("q_WE", s.q_WE);
+  } else {
+    check.unit_or_none("q_WE", s.q_WE);
+  }
+}
+
+/// Names of the fields of one of an order's two phases.
+struct ThresholdNames {
+  const char *contact_torque, *collision_torque, *contact_force, *collision_force,
+      *contact_torque_E, *collision_torque_E;
+};
+constexpr ThresholdNames kAccelerationNames{
+    "acceleration.contact_torque_nm",   "acceleration.collision_torque_nm",
+    "acceleration.contact_force_E_n",   "acceleration.collision_force_E_n",
+    "acceleration.contact_torque_E_nm", "acceleration.collision_torque_E_nm"};
+constexpr ThresholdNames kNominalNames{
+    "nominal.contact_torque_nm",   "nominal.collision_torque_nm", "nominal.contact_force_E_n",
+    "nominal.collision_force_E_n", "nominal.contact_torque_E_nm", "nominal.collision_torque_E_nm"};
+
+/// A contact is told no later than the collision that it becomes.
+template <std::size_t n>
+void check_pair(Check& check, const char* contact_name, const double (&contact)[n],
+                const char* collision_name, const double (&collision)[n]) noexcept {
+  for (std::size_t i = 0; i < n; ++i) {
+    check.within(collision_name, collision[i], kLeastThreshold, kMostThreshold, static_cast<int>(i))
+        .within(contact_name, contact[i], 0.0, collision[i], static_cast<int>(i));
+  }
+}
+
+void check_thresholds(Check& check, const c3rt_v2_ContactThresholds& s,
+                      const ThresholdNames& names) noexcept {
+  check_pair(check, names.contact_torque, s.contact_torque_nm, names.collision_torque,
+             s.collision_torque_nm);
+  check_pair(check, names.contact_force, s.contact_force_E_n, names.collision_force,
+             s.collision_force_E_n);
+  check_pair(check, names.contact_torque_E, s.contact_torque_E_nm, names.collision_torque_E,
+             s.collision_torque_E_nm);
+}
+
+void check_ranges(const RobotOrder& s, Check& check) noexcept {
+  check.within("robot", s.robot, 0, 0)
+      .enumerator("kind", s.kind, -1)
+      .truth("engaged", s.engaged, -1)
+      .truth("free_elbow", s.free_elbow, -1);
+  if (check.finding()) return;
+  // a hand that may lead the arm nowhere is a mistake
+  const bool guided = s.kind == c3rt_v2_ORDER_GUIDING && s.engaged && !s.free_elbow;
+  const bool push = s.kind == c3rt_v2_ORDER_PUSH;
+  check.within("free_axes", s.free_axes, guided ? 1 : 0, 63)
+      .size("force_W_n", s.force_W_n, kHardestPush_n)
+      .within("duration_s", s.duration_s, push ? 1e-3 : 0.0, kLongestPush_s);
+  if (s.kind != c3rt_v2_ORDER_THRESHOLDS) return;
+  check_thresholds(check, s.acceleration, kAccelerationNames);
+  check_thresholds(check, s.nominal, kNominalNames);
 }
 
 void check_ranges(const Plan& s, Check& check) noexcept {

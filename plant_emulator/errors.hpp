@@ -107,16 +107,18 @@ struct Cause {
   const char* unit = "";  // empty: there is no cause
 };
 
+/// Of the end effector, or of W.
+constexpr std::array<const char*, 6> kAxisNames{"x", "y", "z", "roll", "pitch", "yaw"};
+
 /// "joint 7: 2.64 rad/s, limit 2.61"; empty without a cause.
 inline std::string text(const Cause& cause) {
   if (*cause.unit == '\0') return "";
   const bool cartesian = cause.error == Error::kCartesianReflex ||
                          cause.error == Error::kCartesianPositionLimitsViolation;
-  constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "roll", "pitch", "yaw"};
   std::string of;
   if (cause.axis > 0 && !cartesian) of = "joint " + std::to_string(cause.axis) + ": ";
   if (cause.axis > 0 && cause.axis <= 6 && cartesian)
-    of = std::string(kAxes[static_cast<std::size_t>(cause.axis) - 1]) + ": ";
+    of = std::string(kAxisNames[static_cast<std::size_t>(cause.axis) - 1]) + ": ";
   std::array<char, 96> numbers{};
   std::snprintf(numbers.data(), numbers.size(), "%.4g %s, limit %.4g", cause.value, cause.unit,
                 cause.limit);

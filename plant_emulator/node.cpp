@@ -46,7 +46,34 @@ Node::Node(const Parameters& parameters, double exposure_rate, std::uint64_t see
   mju_user_warning = [](const char*) {};
 }
 
+Outcome Node::outcome_of(const Order& order) noexcept {
+  switch (order.kind) {
+    case OrderKind::kGuide:
+      if (plant_.request_guiding(order.axes)) break;
+      return plant_.stop_pressed() ? Outcome::kStopPressed : Outcome::kMoves;
+    case OrderKind::kRelease:
+      plant_.release();
+      break;
+    case OrderKind::kThresholds:
+      return plant_.set_collision_behavior(order.behavior) ? Outcome::kObeyed : Outcome::kMoves;
+    case OrderKind::kPushArm:
+      plant_.pull(order.value, order.duration);
+      break;
+    case OrderKind::kPressStop:
+    case OrderKind::kReleaseStop:
+      plant_.press_stop(order.kind == OrderKind::kPressStop);
+      break;
+    default:
+      break;
+  }
+  return Outcome::kObeyed;
+}
+
 void Node::obey(const Order& order) noexcept {
+  if (is_answered(order.kind)) {
+    answer(order, outcome_of(order));
+    return;
+  }
   switch (order.kind) {
     case OrderKind::kRecover:
       plant_.request_recovery();
@@ -67,16 +94,22 @@ void Node::obey(const Order& order) noexcept {
       plant_.drop_commands(0);
       nan_until_ = 0;
       break;
-    case OrderKind::kStall:
+    default:  // a stall
       break;
   }
   ++counters_.faults;
 }
 
-const Node::Output& Node::step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept {
+const Node::Output& Node::step(std::int64_t now_ns, const wire::RobotCommand* command,
+                               const wire::RobotMotion* motion) noexcept {
   if (command != nullptr) {
     plant_.set_command(wire::vector(command->tau_nm), command->header.seq,
                        command->origin.state_ns);
+  }
+  if (motion != nullptr) {
+    wire::read_motion(*motion, motion_);
+    if (!plant_.set_motion(motion_, motion->header.seq, motion->origin.state_ns))
+      ++counters_.refused_motions;
   }
   // the scenario's own pushes take the way of a client's, but at the same instant in every run
   for (; pushed_ < pushes_.size() && pushes_[pushed_].time <= plant_.state().time; ++pushed_)

@@ -1,7 +1,7 @@
 #pragma once
-// The robot, the table and what lies on it, on the types of the wire: one command in, state and
-// scene out, once per cycle. No bus, no clock, no thread: service.hpp has those. What another robot
-// would be in its place is a RobotNode, too: examples/real_robot.
+// The robot, the table and what lies on it, on the types of the wire: a command or a motion in,
+// state and scene out, once per cycle. No bus, no clock, no thread: service.hpp has those. What
+// another robot would be in its place is a RobotNode, too: examples/real_robot.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -52,7 +52,8 @@ class RobotNode {
   };
   struct Counters {
     std::uint64_t reflexes = 0, exposures = 0, faults = 0;
-    int moving_cycles = 0;  // in a row
+    std::uint64_t refused_motions = 0;  // something else moved the robot, or stopped it
+    int moving_cycles = 0;              // in a row
   };
 
   RobotNode() = default;
@@ -62,26 +63,37 @@ class RobotNode {
 
   // all of them RT: no heap, no throw
 
-  /// What a client asked for, from the next step on. A stall is the process's affair.
+  /// What a client asked for, from the next step on. A stall is the process's affair. What has
+  /// become of an order that is_answered() is told by answered(), now or later.
   virtual void obey(const Order& order) noexcept = 0;
   /// One cycle of the robot, which ends at now_ns. Valid until the next one.
-  /// @param command that has come since; nullptr: none
-  virtual const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept = 0;
+  /// @param command, motion that have come since; nullptr: none
+  virtual const Output& step(std::int64_t now_ns, const wire::RobotCommand* command,
+                             const wire::RobotMotion* motion) noexcept = 0;
 
   virtual const State& state() const noexcept = 0;
   /// It stopped because commands were missing, and moves by itself once they come again.
   virtual bool waits_for_commands() const noexcept = 0;
-  /// Why it has not this fault; empty: it has. From any thread.
+  /// Why it has not this fault or order; empty: it has. From any thread.
   virtual std::string refusal(OrderKind) const { return ""; }
+  /// Why it follows no motions; empty: it does. From any thread.
+  virtual std::string refusal_of_motions() const { return ""; }
+  /// What has become of orders. Taken by one thread.
+  Queue<Answered>& answered() noexcept { return answered_; }
   const Counters& counters() const noexcept { return counters_; }
 
  protected:
   /// Of a cycle that has ended in this mode.
   void count(Mode mode) noexcept;
+  void answer(const Order& order, Outcome outcome) noexcept {
+    // who orders leaves room for the answers
+    (void)answered_.put({order.request_id, order.kind, outcome});
+  }
   Counters counters_;
 
  private:
   Mode mode_ = Mode::kIdle;
+  Queue<Answered> answered_;
 };
 
 /// The emulated one.
@@ -94,7 +106,8 @@ class Node final : public RobotNode {
   void obey(const Order& order) noexcept override;
   /// What is now, before the first step. RT: no heap, no throw.
   const Output& start(std::int64_t now_ns) noexcept { return observe(now_ns); }
-  const Output& step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept override;
+  const Output& step(std::int64_t now_ns, const wire::RobotCommand* command,
+                     const wire::RobotMotion* motion) noexcept override;
   const State& state() const noexcept override { return plant_.state(); }
   bool waits_for_commands() const noexcept override { return plant_.waits_for_commands(); }
 
@@ -102,6 +115,7 @@ class Node final : public RobotNode {
 
  private:
   const Output& observe(std::int64_t now_ns) noexcept;
+  Outcome outcome_of(const Order& order) noexcept;
 
   Plant plant_;
   Schedule exposure_, scene_;
@@ -109,6 +123,7 @@ class Node final : public RobotNode {
   std::vector<Push> pushes_;  // of the scenario
   std::size_t pushed_ = 0;
   double nan_until_ = 0.0;  // [s]
+  MotionCommand motion_;
   Output output_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 // What the plant needs to know; the numbers stand in the scenario and in the robot's description.
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -38,6 +39,12 @@ struct Thresholds {
 /// libfranka's setCollisionBehavior: while the arm accelerates, and else.
 struct CollisionBehavior {
   Thresholds acceleration, nominal;
+};
+
+/// Along and about which axes of W a person's hand leads the arm: libfranka's setGuidingMode.
+struct GuidingAxes {
+  std::uint32_t free = 63;  // bits x, y, z, roll, pitch, yaw
+  bool elbow = true;        // joint 3
 };
 
 /// What a motion generator may command, beside the limits of position and velocity.

@@ -17,6 +17,12 @@ const Vector7d kHoldStiffness =
     (Vector7d() << 600, 600, 600, 600, 250, 150, 50).finished();  // [N m/rad]
 constexpr double kRestVelocity = 0.02;                            // [rad/s]
 constexpr double kGuideDamping = 0.2;  // of the brake's, while a person leads the arm
+// what keeps a hand from leading it along or about an axis that is not free; the joints' damping is
+// the damper of the turns; ours
+constexpr double kFenceStiffness = 3000.0;     // [N/m]
+constexpr double kFenceDamping = 100.0;        // [N s/m]
+constexpr double kFenceTurnStiffness = 200.0;  // [N m/rad]
+constexpr int kElbow = 2;                      // joint 3
 
 // How fast the robot's own controller makes good what a motion is ahead of the arm; ours, for
 // joints 1 to 4 about as stiff as libfranka's joint impedance of 3000 N m/rad.
@@ -126,7 +132,8 @@ void Plant::set_command(const Vector7d& tau, std::uint64_t seq, std::int64_t sta
   events_.command = true;
 }
 
-bool Plant::set_motion(const MotionCommand& motion, std::uint64_t seq) noexcept {
+bool Plant::set_motion(const MotionCommand& motion, std::uint64_t seq,
+                       std::int64_t state_ns) noexcept {
   const bool begins = !by_motion_ && mode_.mode == Mode::kIdle && !events_.command;
   const bool goes_on = by_motion_ && motion.kind == generator_.kind();
   if (!begins && !goes_on) return false;
@@ -140,6 +147,7 @@ bool Plant::set_motion(const MotionCommand& motion, std::uint64_t seq) noexcept 
   if (begins) generator_.begin(motion.kind, state_.q, *kinematics_);
   by_motion_ = true;
   motion_ = motion;
+  newest_motion_state_ns_ = state_ns;
   events_.command = true;
   return true;
 }
@@ -174,6 +182,16 @@ void Plant::let_go() noexcept {
 bool Plant::set_collision_behavior(const CollisionBehavior& behavior) noexcept {
   if (mode_.mode == Mode::kMove) return false;
   parameters_.safety.collision = behavior;
+  return true;
+}
+
+bool Plant::request_guiding(const GuidingAxes& axes) noexcept {
+  if (mode_.mode == Mode::kMove || stop_pressed_) return false;
+  guiding_ = axes;
+  guided_p_WE_ = state_.p_WE;
+  guided_q_WE_ = state_.q_WE;
+  guided_q3_ = state_.q[kElbow];
+  events_.guide = true;
   return true;
 }
 
@@ -282,6 +300,7 @@ void Plant::enter(ModeState next_mode) noexcept {
 }
 
 void Plant::step_1ms() noexcept {
+  if (stop_pressed_) events_.stop = true;
   if (by_motion_) follow_motion();
   if (mode_.mode == Mode::kMove) judge();
   if (mode_.mode == Mode::kGuiding) judge_guiding();
@@ -295,9 +314,9 @@ void Plant::step_1ms() noexcept {
   if (mode_.mode == Mode::kMove) {
     watch_.count(command);
     state_.lost_commands = watch_.lost();
-    if (command && !by_motion_) {
-      state_.command_seq = newest_seq_;
-      state_.command_state_ns = newest_state_ns_;
+    if (command) {
+      state_.command_seq = by_motion_ ? newest_motion_seq_ : newest_seq_;
+      state_.command_state_ns = by_motion_ ? newest_motion_state_ns_ : newest_state_ns_;
     }
     tau = by_motion_ ? motion_torque() : command_torque();
   } else {
@@ -367,13 +386,27 @@ Vector7d Plant::command_torque() noexcept {
 }
 
 Vector7d Plant::brake_torque() noexcept {
-  if (mode_.mode == Mode::kGuiding) return Vector7d::Zero();
+  if (mode_.mode == Mode::kGuiding) return guiding_torque();
   if (!holding_ && state_.dq.cwiseAbs().maxCoeff() < kRestVelocity) {
     holding_ = true;
     hold_q_ = state_.q;
   }
   if (!holding_) return Vector7d::Zero();
   const Vector7d tau = kHoldStiffness.cwiseProduct(hold_q_ - state_.q);
+  return tau.cwiseMin(parameters_.limits.tau_max).cwiseMax(-parameters_.limits.tau_max);
+}
+
+Vector7d Plant::guiding_torque() const noexcept {
+  const Eigen::AngleAxisd back(guided_q_WE_ * state_.q_WE.conjugate());
+  Vector6d wrench;
+  wrench << kFenceStiffness * (guided_p_WE_ - state_.p_WE) -
+                kFenceDamping * J_WE_.topRows<3>() * state_.dq,
+      kFenceTurnStiffness * back.angle() * back.axis();
+  for (int i = 0; i < 6; ++i) {
+    if ((guiding_.free >> i & 1U) != 0) wrench[i] = 0.0;
+  }
+  Vector7d tau = J_WE_.transpose() * wrench;
+  if (!guiding_.elbow) tau[kElbow] += kHoldStiffness[kElbow] * (guided_q3_ - state_.q[kElbow]);
   return tau.cwiseMin(parameters_.limits.tau_max).cwiseMax(-parameters_.limits.tau_max);
 }
 

@@ -58,13 +58,23 @@ class Plant {
   /// first that comes while the robot is idle takes it; then torques do not move it until the last
   /// one has come. One that is lost is extrapolated with constant acceleration. RT: no heap, no
   /// throw.
+  /// @param state_ns stamp of the state that the motion answers
   /// @return false, and nothing is changed: something else moves the robot, or it has to be
   /// recovered
-  [[nodiscard]] bool set_motion(const MotionCommand& motion, std::uint64_t seq) noexcept;
+  [[nodiscard]] bool set_motion(const MotionCommand& motion, std::uint64_t seq,
+                                std::int64_t state_ns = 0) noexcept;
   void request_stop() noexcept { events_.stop = true; }
+  /// Until it is released the stop button keeps the robot stopped, and nothing recovers it; then it
+  /// is stopped as by request_stop().
+  void press_stop(bool pressed) noexcept { stop_pressed_ = pressed; }
+  bool stop_pressed() const noexcept { return stop_pressed_; }
   void request_recovery() noexcept { events_.recover = true; }
-  /// A person takes the arm by the hand, which it obeys unless it moves, or lets go of it.
-  void request_guiding(bool guide) noexcept { (guide ? events_.guide : events_.release) = true; }
+  /// A person takes the arm by the hand, or another way, which it obeys unless it moves or its stop
+  /// button is pressed. RT: no heap, no throw.
+  /// @return whether it will
+  bool request_guiding(const GuidingAxes& axes = {}) noexcept;
+  /// And lets go of it.
+  void release() noexcept { events_.release = true; }
 
   /// @return false, and nothing is changed, while the arm moves. RT: no heap, no throw.
   [[nodiscard]] bool set_collision_behavior(const CollisionBehavior& behavior) noexcept;
@@ -106,6 +116,7 @@ class Plant {
   void find(const Cause& cause) noexcept;
   double clearance() const noexcept;
   void find_arm_capsules();
+  Vector7d guiding_torque() const noexcept;
   void apply_pull() noexcept;
   void estimate_external(const Vector7d& dq_before, const Vector7d& tau) noexcept;
   Vector7d command_torque() noexcept;
@@ -143,8 +154,15 @@ class Plant {
   bool by_motion_ = false;
   MotionCommand motion_;  // newest accepted
   std::uint64_t newest_motion_seq_ = 0;
+  std::int64_t newest_motion_state_ns_ = 0;
   MotionGenerator generator_;
   CommandWatch watch_;
+  bool stop_pressed_ = false;
+  GuidingAxes guiding_;
+  // where the hand took the arm
+  Eigen::Vector3d guided_p_WE_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond guided_q_WE_ = Eigen::Quaterniond::Identity();
+  double guided_q3_ = 0.0;  // [rad]
   Vector7d hold_q_;
   bool holding_ = true;  // at rest; false while the brake still stops the arm
   double drop_until_ = 0.0;

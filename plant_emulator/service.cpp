@@ -5,12 +5,15 @@
 #include <cmath>
 #include <thread>
 
+#include "controller/base/words.hpp"
+#include "idl/convert.hpp"
 #include "plant_emulator/errors.hpp"
 
 namespace c3rt::plant {
 namespace {
 
 constexpr double kStanding = 0.02;  // [rad/s]
+constexpr int kMostOrders = 64;     // that may wait
 
 /// Stands still, but not when it is asked to end.
 void stall(double duration) noexcept {
@@ -32,6 +35,74 @@ Order order_of(const wire::FaultInject& fault) {
   return order;
 }
 
+/// Of an order that was let in.
+Order order_of(const wire::RobotOrder& sample) {
+  Order order{};
+  order.request_id = sample.request_id;
+  switch (sample.kind) {
+    case c3rt_v2_ORDER_GUIDING:
+      order.kind = sample.engaged ? OrderKind::kGuide : OrderKind::kRelease;
+      order.axes = {sample.free_axes, sample.free_elbow};
+      break;
+    case c3rt_v2_ORDER_USER_STOP:
+      order.kind = sample.engaged ? OrderKind::kPressStop : OrderKind::kReleaseStop;
+      break;
+    case c3rt_v2_ORDER_THRESHOLDS:
+      order.kind = OrderKind::kThresholds;
+      wire::read_thresholds(sample.acceleration, order.behavior.acceleration);
+      wire::read_thresholds(sample.nominal, order.behavior.nominal);
+      break;
+    case c3rt_v2_ORDER_PUSH:
+      order.kind = OrderKind::kPushArm;
+      order.value = Eigen::Map<const Eigen::Vector3d>(sample.force_W_n);
+      order.duration = sample.duration_s;
+      break;
+  }
+  return order;
+}
+
+/// "guiding along x, y, yaw, elbow"
+std::string describe(const wire::RobotOrder& order) {
+  switch (order.kind) {
+    case c3rt_v2_ORDER_GUIDING: {
+      if (!order.engaged) return "end of guiding";
+      std::string free;
+      for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
+        if ((order.free_axes >> i & 1U) != 0)
+          free += (free.empty() ? "" : ", ") + std::string(kAxisNames[i]);
+      }
+      if (order.free_elbow) free += free.empty() ? "elbow" : ", elbow";
+      return "guiding along " + free;
+    }
+    case c3rt_v2_ORDER_USER_STOP:
+      return order.engaged ? "user stop pressed" : "user stop released";
+    case c3rt_v2_ORDER_THRESHOLDS:
+      return "thresholds of contact and collision";
+    case c3rt_v2_ORDER_PUSH:
+      break;
+  }
+  return base::words("push of the end effector by (%g, %g, %g) N for %g s", order.force_W_n[0],
+                     order.force_W_n[1], order.force_W_n[2], order.duration_s);
+}
+
+/// What the robot does now.
+const char* obeyed_text(OrderKind kind) {
+  switch (kind) {
+    case OrderKind::kGuide:
+      return "the arm is led by the hand";
+    case OrderKind::kRelease:
+      return "nobody leads the arm";
+    case OrderKind::kPressStop:
+      return "the user stop is pressed: nothing moves the arm";
+    case OrderKind::kReleaseStop:
+      return "the user stop is released; recover ends the stop";
+    case OrderKind::kThresholds:
+      return "thresholds set";
+    default:
+      return "a hand pushes the end effector";
+  }
+}
+
 }  // namespace
 
 wire::FaultScope fault_scope(const Parameters& parameters) {
@@ -46,6 +117,8 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, RobotNode& node)
       realtime_(bus.clock() == wire::ClockMode::kRealtime),
       node_(node),
       commands_(bus),
+      motions_(bus),
+      ordered_(bus, kMostOrders),
       states_(bus),
       scenes_(bus),
       contacts_(bus),
@@ -56,7 +129,8 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, RobotNode& node)
       success_(endpoint.status().counter("success_rate_1e3")),
       success_min_(endpoint.status().counter("success_rate_min_1e3")),
       exposures_(endpoint.status().counter("exposures")),
-      faults_(endpoint.status().counter("faults")) {
+      faults_(endpoint.status().counter("faults")),
+      refused_motions_(endpoint.status().counter("refused_motions")) {
   success_min_ = 1000;
 }
 
@@ -65,7 +139,9 @@ void Service::step(std::int64_t at_ns, std::int64_t now_ns) noexcept {
   while (orders_.take(order)) obey(order);
   // a robot follows what has reached it, in simulated time what is in effect
   const bool came = realtime_ ? commands_.take(command_) : commands_.take(at_ns, command_);
-  const RobotNode::Output& out = node_.step(now_ns, came ? &command_ : nullptr);
+  const bool moved = realtime_ ? motions_.take(motion_) : motions_.take(at_ns, motion_);
+  const RobotNode::Output& out =
+      node_.step(now_ns, came ? &command_ : nullptr, moved ? &motion_ : nullptr);
   show();
   send(out, now_ns);
 }
@@ -93,6 +169,7 @@ void Service::show() noexcept {
   set(reflexes_, counters.reflexes);
   set(exposures_, counters.exposures);
   set(faults_, counters.faults);
+  set(refused_motions_, counters.refused_motions);
   const auto success = static_cast<std::uint64_t>(std::lround(1000 * s.command_success_rate));
   set(success_, success);
   // the window must be full, or one early loss would read as a bad connection
@@ -123,6 +200,8 @@ void Service::serve(std::int64_t now_ns) {
     if (!refused.empty()) return refused;
     return std::string(orders_.put(order) ? "" : "too many faults at once");
   });
+  serve_orders(now_ns);
+  tell_refused_motions();
   const Mode mode = shown_mode_.load();
   const bool well = mode == Mode::kIdle || mode == Mode::kMove;
   const std::string text = mode_text();
@@ -130,7 +209,66 @@ void Service::serve(std::int64_t now_ns) {
     endpoint_.tell(false, "mode " + text);
 }
 
+void Service::serve_orders(std::int64_t now_ns) {
+  wire::Replies& replies = endpoint_.replies();
+  Answered answered{};
+  while (node_.answered().take(answered)) {
+    --unanswered_;
+    const bool obeyed = answered.outcome == Outcome::kObeyed;
+    const std::string said = text_of(answered);
+    if (answered.kind == OrderKind::kPressStop) stop_pressed_ = true;
+    if (answered.kind == OrderKind::kReleaseStop) stop_pressed_ = false;
+    replies.answer(answered.request_id, obeyed, said, now_ns);
+    if (!obeyed) endpoint_.tell(true, "order " + said);
+  }
+  replies.answer_refused(ordered_, now_ns);
+  wire::RobotOrder sample{};
+  // what there is no room for in the queue of answers waits in the reader
+  while (unanswered_ < Queue<Answered>::kSize && ordered_.take(sample)) {
+    const Order order = order_of(sample);
+    std::string refused = node_.refusal(order.kind);
+    if (refused.empty() && !orders_.put(order)) refused = "too many orders at once";
+    if (refused.empty()) {
+      ++unanswered_;
+      endpoint_.tell(false, "order " + describe(sample));
+    } else {
+      replies.answer(sample.request_id, false, "refused: " + refused, now_ns);
+      endpoint_.tell(true, "order " + describe(sample) + ", refused: " + refused);
+    }
+  }
+}
+
+std::string Service::text_of(const Answered& answered) {
+  switch (answered.outcome) {
+    case Outcome::kObeyed:
+      return obeyed_text(answered.kind);
+    case Outcome::kMoves:
+      return "refused: expected a robot that nothing moves (c3rt stop), got one that follows "
+             "commands";
+    case Outcome::kStopPressed:
+      return "refused: expected a user stop that is released, got one that is pressed";
+    case Outcome::kRefused:
+      break;
+  }
+  return "refused by the robot; its log tells why";
+}
+
+void Service::tell_refused_motions() {
+  const std::uint64_t refused = refused_motions_.load();
+  const bool grows = refused != told_refused_motions_;
+  if (grows && !tells_refused_motions_) {
+    std::string why = node_.refusal_of_motions();
+    if (why.empty())
+      why = "expected a robot that is idle, or that this motion moves; " + mode_text();
+    endpoint_.tell(true, "robot/motion is not followed: " + why);
+  }
+  told_refused_motions_ = refused;
+  tells_refused_motions_ = grows;
+}
+
 std::optional<wire::Answer> Service::order(c3rt_v2_RequestVerb verb) {
+  if (verb == c3rt_v2_REQUEST_RECOVER && stop_pressed_)
+    return wire::Answer{false, "the user stop is pressed: c3rt robot user-stop release"};
   const OrderKind kind = verb == c3rt_v2_REQUEST_RECOVER ? OrderKind::kRecover : OrderKind::kStop;
   if (orders_.put({kind, 0, 0, Eigen::Vector3d::Zero()})) return {};
   return wire::Answer{false, "too many requests at once"};
@@ -183,7 +321,8 @@ std::string Service::mode_text() const {
     case Mode::kUserStopped:
       break;
   }
-  return "stopped by a person; request recover";
+  return stop_pressed_ ? "stopped: the user stop is pressed; release it"
+                       : "stopped by a person; request recover";
 }
 
 }  // namespace c3rt::plant

@@ -1,5 +1,6 @@
 #pragma once
 // A robot's node on a bus, the emulated one or another: its mailboxes, its clients, its status.
+// docs/reliability.md
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -20,8 +21,9 @@ class Service {
 
   /// Before the first step: what is now.
   void send(const RobotNode::Output& out, std::int64_t now_ns) noexcept;
-  /// Obeys clients, takes the command that is in effect at `at_ns` (realtime: the newest), moves on
-  /// by one cycle, and sends what is at now_ns. RT (realtime): no heap, no lock, no throw.
+  /// Obeys clients, takes the command and the motion that are in effect at `at_ns` (realtime: the
+  /// newest), moves on by one cycle, and sends what is at now_ns. RT (realtime): no heap, no lock,
+  /// no throw.
   void step(std::int64_t at_ns, std::int64_t now_ns) noexcept;
   /// Clients' requests and faults become orders; changes of the robot's mode become status and log.
   void serve(std::int64_t now_ns);
@@ -29,6 +31,9 @@ class Service {
  private:
   void obey(const Order& order) noexcept;
   void show() noexcept;
+  void serve_orders(std::int64_t now_ns);
+  void tell_refused_motions();
+  static std::string text_of(const Answered& answered);
   std::optional<wire::Answer> order(c3rt_v2_RequestVerb verb);
   std::optional<wire::Answer> stopped(bool late) const;
   std::optional<wire::Answer> recovered(bool late) const;
@@ -39,16 +44,25 @@ class Service {
   const bool realtime_;
   RobotNode& node_;
   wire::Inlet<wire::RobotCommand> commands_;
+  wire::Inlet<wire::RobotMotion> motions_;
+  wire::Reader<wire::RobotOrder> ordered_;
   wire::Outlet<wire::RobotState> states_;
   wire::Outlet<wire::Scene> scenes_;
   wire::Outlet<wire::RobotContact> contacts_;
   wire::RobotCommand command_{};
-  OrderQueue orders_;
+  wire::RobotMotion motion_{};
+  Queue<Order> orders_;
   std::uint64_t count_ = 0;
   std::atomic<std::uint64_t>&cycles_, &lost_commands_, &saturated_, &reflexes_, &success_,
-      &success_min_, &exposures_, &faults_;
+      &success_min_, &exposures_, &faults_, &refused_motions_;
 
-  // for the thread that serves clients
+  // of the thread that serves clients
+  bool stop_pressed_ = false;
+  std::uint32_t unanswered_ = 0;  // orders
+  std::uint64_t told_refused_motions_ = 0;
+  bool tells_refused_motions_ = false;
+
+  // for it
   std::atomic<Mode> shown_mode_{Mode::kIdle};
   std::atomic<Errors> shown_errors_{0};
   struct {  // stored before the mode, which a reader loads first

@@ -75,8 +75,10 @@ void Samples::keep(const wire::ServiceStatus& sample) {
 std::string Samples::log_hash() const {
   HashVisitor all;
   for (const wire::Topic& topic : wire::table::kTopics) {
-    if (topic.stream != wire::kNoStream)
-      all("", hashes_[static_cast<std::size_t>(topic.stream)].value());
+    if (topic.stream == wire::kNoStream) continue;
+    const std::uint64_t hash = hashes_[static_cast<std::size_t>(topic.stream)].value();
+    if (topic.trait == wire::Trait::kOptional && hash == HashVisitor().value()) continue;
+    all("", hash);
   }
   return all.text();
 }

@@ -13,7 +13,7 @@ namespace c3rt::cli::replay {
 /// What a client asked for.
 struct Asked {
   std::int64_t place_ns = 0;  // of what stands before it in the file
-  std::variant<wire::TaskTarget, wire::ServiceRequest, wire::FaultInject> sample;
+  std::variant<wire::TaskTarget, wire::ServiceRequest, wire::FaultInject, wire::RobotOrder> sample;
 
   std::uint64_t request_id() const;
   wire::Process process() const;  // that is asked

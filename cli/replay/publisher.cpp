@@ -83,7 +83,7 @@ void Publisher::publish(const T& recorded) {
     return;
   }
   if constexpr (std::is_same_v<T, wire::Plan>) plans_ = {recorded.header.seq, sample.header.seq};
-  if constexpr (std::is_same_v<T, wire::RobotCommand>)
+  if constexpr (std::is_same_v<T, wire::RobotCommand> || std::is_same_v<T, wire::RobotMotion>)
     commands_ = {recorded.header.seq, sample.header.seq};
   ++written_[wire::topic<T>().name];
 }

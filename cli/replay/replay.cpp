@@ -53,7 +53,7 @@ bool has_one_writer(const wire::Topic& topic) {
 bool asks(const wire::Topic& topic) {
   return &topic == &wire::topic<wire::ServiceRequest>() ||
          &topic == &wire::topic<wire::ServiceReply>() ||
-         &topic == &wire::topic<wire::FaultInject>();
+         &topic == &wire::topic<wire::FaultInject>() || &topic == &wire::topic<wire::RobotOrder>();
 }
 
 /// Those of the recording that are wanted. @throws UsageError for one that it does not have

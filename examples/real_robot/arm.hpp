@@ -45,6 +45,10 @@ class Arm {
   /// robot's own controller holds the arm, which is at rest. @throws ArmError
   virtual End control(const Control& control) = 0;
 
+  /// Between two of these loops. @return why the robot does not take them; empty: it has.
+  /// @throws ArmError
+  virtual std::string set_collision_behavior(const plant::CollisionBehavior& behavior) = 0;
+
   /// Asks the robot to end its errors. @return why it does not; empty: it has. @throws ArmError
   virtual std::string recover() = 0;
 };

@@ -43,9 +43,16 @@ void Door::obey(const plant::Order& order) noexcept {
     case plant::OrderKind::kEndFaults:
       drop_until_ = 0.0;
       break;
-    case plant::OrderKind::kPushObject:
-    case plant::OrderKind::kNan:
-    case plant::OrderKind::kStall:
+    case plant::OrderKind::kThresholds:
+      if (wants_control()) {
+        answer(order, plant::Outcome::kMoves);
+      } else if (ordered_) {
+        answer(order, plant::Outcome::kRefused);  // another one is on its way to the robot
+      } else {
+        ordered_ = order;
+      }
+      return;
+    default:  // refusal() has told
       return;
   }
   ++counters_.faults;
@@ -84,8 +91,10 @@ void Door::enter(plant::ModeState next) noexcept {
   mode_ = next;
 }
 
-const Door::Output& Door::step(std::int64_t now_ns, const wire::RobotCommand* command) noexcept {
+const Door::Output& Door::step(std::int64_t now_ns, const wire::RobotCommand* command,
+                               const wire::RobotMotion* motion) noexcept {
   state_.time += plant::kCycle;
+  if (motion != nullptr) ++counters_.refused_motions;
   if (command != nullptr) take(*command);
   if (mode_.mode == Mode::kMove) judge();
   if (arm_.mode == Mode::kUserStopped) events_.stop = true;
@@ -164,9 +173,33 @@ void Door::recovered(bool worked) noexcept {
   events_.recover = true;
 }
 
+void Door::settled(bool worked) noexcept {
+  if (!ordered_) return;
+  answer(*ordered_, worked ? plant::Outcome::kObeyed : plant::Outcome::kRefused);
+  ordered_.reset();
+}
+
 std::string Door::refusal(plant::OrderKind kind) const {
-  if (kind == plant::OrderKind::kDropCommands || kind == plant::OrderKind::kEndFaults) return "";
-  return "a robot that is not simulated has no fault but drop-commands";
+  switch (kind) {
+    case plant::OrderKind::kDropCommands:
+    case plant::OrderKind::kEndFaults:
+    case plant::OrderKind::kThresholds:
+      return "";
+    case plant::OrderKind::kGuide:
+    case plant::OrderKind::kRelease:
+      return "a robot that is not simulated is guided by the buttons at its flange alone";
+    case plant::OrderKind::kPressStop:
+    case plant::OrderKind::kReleaseStop:
+      return "a robot that is not simulated has a stop button of its own; c3rt stop stops it, too";
+    case plant::OrderKind::kPushArm:
+      return "nobody pushes a robot that is not simulated but a hand";
+    default:
+      return "a robot that is not simulated has no fault but drop-commands";
+  }
+}
+
+std::string Door::refusal_of_motions() const {
+  return "this robot takes torques alone, on robot/command";
 }
 
 bool Door::waits_for_commands() const noexcept {

@@ -96,16 +96,18 @@ bool has_limits(const plant::Thresholds& t) noexcept {
 LibfrankaArm::LibfrankaArm(const std::string& address, const config::Robot& robot,
                            const plant::CollisionBehavior& behavior) try
     : robot_(address, franka::RealtimeConfig::kEnforce) {
-  const plant::Thresholds &fast = behavior.acceleration, &steady = behavior.nominal;
-  if (has_limits(fast) && has_limits(steady)) {
-    robot_.setCollisionBehavior(array<7>(fast.contact_torque), array<7>(fast.collision_torque),
-                                array<7>(steady.contact_torque), array<7>(steady.collision_torque),
-                                array<6>(fast.contact_force), array<6>(fast.collision_force),
-                                array<6>(steady.contact_force), array<6>(steady.collision_force));
-  }
+  if (has_limits(behavior.acceleration) && has_limits(behavior.nominal)) set(behavior);
   require_end_effector(robot.end_effector);
 } catch (const franka::Exception& error) {
   throw ArmError(address + ": " + error.what());
+}
+
+void LibfrankaArm::set(const plant::CollisionBehavior& behavior) {
+  const plant::Thresholds &fast = behavior.acceleration, &steady = behavior.nominal;
+  robot_.setCollisionBehavior(array<7>(fast.contact_torque), array<7>(fast.collision_torque),
+                              array<7>(steady.contact_torque), array<7>(steady.collision_torque),
+                              array<6>(fast.contact_force), array<6>(fast.collision_force),
+                              array<6>(steady.contact_force), array<6>(steady.collision_force));
 }
 
 void LibfrankaArm::require_end_effector(const config::Robot::EndEffector& expected) {
@@ -155,6 +157,15 @@ Arm::End LibfrankaArm::control(const Control& control) try {
   return {true, found, error.what()};
 } catch (const franka::CommandException& error) {
   return {true, 0, error.what()};
+} catch (const franka::Exception& error) {
+  throw ArmError(error.what());
+}
+
+std::string LibfrankaArm::set_collision_behavior(const plant::CollisionBehavior& behavior) try {
+  set(behavior);
+  return "";
+} catch (const franka::CommandException& error) {
+  return error.what();
 } catch (const franka::Exception& error) {
   throw ArmError(error.what());
 }

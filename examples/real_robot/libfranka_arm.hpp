@@ -18,9 +18,11 @@ class LibfrankaArm final : public Arm {
                const plant::CollisionBehavior& behavior);
   void observe(const Watch& watch) override;
   End control(const Control& control) override;
+  std::string set_collision_behavior(const plant::CollisionBehavior& behavior) override;
   std::string recover() override;
 
  private:
+  void set(const plant::CollisionBehavior& behavior);
   void require_end_effector(const config::Robot::EndEffector& expected);
 
   franka::Robot robot_;

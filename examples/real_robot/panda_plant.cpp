@@ -100,8 +100,14 @@ void run(Arm& arm, Door& door, plant::Service& service, wire::StatusReporter& st
   while (!over()) {
     arm.observe([&](const plant::State& state) {
       cycle(state, false);
-      return !door.wants_control() && !door.wants_recovery() && !over();
+      return !door.wants_control() && !door.wants_recovery() && door.wanted_behavior() == nullptr &&
+             !over();
     });
+    if (door.wanted_behavior() != nullptr) {
+      const std::string why_not = arm.set_collision_behavior(*door.wanted_behavior());
+      if (!why_not.empty()) say(true, "the robot does not take the thresholds: " + why_not);
+      door.settled(why_not.empty());
+    }
     if (door.wants_recovery()) {
       const std::string why_not = arm.recover();
       if (!why_not.empty()) say(true, "the robot does not recover: " + why_not);

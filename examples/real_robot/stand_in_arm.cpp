@@ -37,6 +37,10 @@ Arm::End StandInArm::control(const Control& control) {
   return {};
 }
 
+std::string StandInArm::set_collision_behavior(const plant::CollisionBehavior& behavior) {
+  return plant_.set_collision_behavior(behavior) ? "" : "it moves";
+}
+
 std::string StandInArm::recover() {
   plant_.request_recovery();
   cycle(nullptr);

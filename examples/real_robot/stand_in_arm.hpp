@@ -11,6 +11,7 @@ class StandInArm final : public Arm {
   explicit StandInArm(const plant::Parameters& parameters);
   void observe(const Watch& watch) override;
   End control(const Control& control) override;
+  std::string set_collision_behavior(const plant::CollisionBehavior& behavior) override;
   std::string recover() override;
 
  private:

@@ -68,7 +68,7 @@ class Emulator {
       command.header = {kSession, ++command_seq_, now_ns_};
       p_WE_before_ = plant().p_WE;
       now_ns_ += plant::kCycleNs;
-      take(plant_->step(now_ns_, out.commands ? &command : nullptr));
+      take(plant_->step(now_ns_, out.commands ? &command : nullptr, nullptr));
       if ((now_ns_ - begun_ns_) % kWatchNs == 0) watch();
     }
   }

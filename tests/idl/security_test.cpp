@@ -49,10 +49,10 @@ TEST_CASE("security: each identity writes what the contract gives it and nothing
   const Topics of_every{"sim/done", "service/status", "service/reply"};
   const std::map<std::string, Topics> own{
       {"plant", {"robot/state", "robot/contact", "sim/scene", "sim/tick", "latency/*"}},
-      {"impedance", {"robot/command", "latency/*"}},
+      {"impedance", {"robot/command", "robot/motion", "latency/*"}},
       {"planner", {"plan", "planner/debug"}},
       {"vision", {"object/estimate", "object/detection"}},
-      {"client", {"task/target", "service/request", "fault/inject"}}};
+      {"client", {"task/target", "service/request", "fault/inject", "robot/order"}}};
   for (const auto& [name, topics] : own) {
     INFO(name);
     Topics expected = topics;

@@ -35,11 +35,11 @@ const auto kTopics = table_by_name();
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
   for (const auto& [name, topic] : kTopics) names.insert(name);
-  CHECK(names == std::set<std::string>{"robot/state", "robot/contact", "robot/command", "plan",
-                                       "planner/debug", "object/detection", "object/estimate",
-                                       "task/target", "sim/scene", "sim/tick", "sim/done",
-                                       "service/status", "service/request", "service/reply",
-                                       "fault/inject"});
+  CHECK(names == std::set<std::string>{"robot/state", "robot/contact", "robot/command",
+                                       "robot/motion", "robot/order", "plan", "planner/debug",
+                                       "object/detection", "object/estimate", "task/target",
+                                       "sim/scene", "sim/tick", "sim/done", "service/status",
+                                       "service/request", "service/reply", "fault/inject"});
 }
 
 TEST_CASE("topics: a type has its own line of the table") {
@@ -59,6 +59,17 @@ TEST_CASE("topics: a type has its own line of the table") {
   });
   CHECK(topics == static_cast<int>(kTopics.size()));
   CHECK_FALSE(with_topic("robot", [](const auto&) {}));
+}
+
+TEST_CASE("topics: a tick's places of streams are those that clients of version 0.12 know") {
+  CHECK(topic<Scene>().stream == 0);
+  CHECK(topic<RobotState>().stream == 1);
+  CHECK(topic<RobotCommand>().stream == 2);
+  CHECK(topic<Plan>().stream == 3);
+  CHECK(topic<ObjectEstimate>().stream == 4);
+  CHECK(topic<ObjectDetection>().stream == 5);
+  CHECK(topic<PlannerDebug>().stream == 6);
+  CHECK(topic<RobotMotion>().stream == 7);
 }
 
 TEST_CASE("topics: streams are those that a recorder keeps and lockstep waits for") {
@@ -117,9 +128,9 @@ TEST_CASE("topics: no two topics share a type or a place in a tick") {
 TEST_CASE("topics: every sample that crosses the network begins with a key or the header") {
   // DESIGN, section 2: the keyed topics
   const std::set<std::string> keyed = {
-      "robot/state",    "robot/contact",    "robot/command",   "plan",
-      "planner/debug",  "object/detection", "object/estimate", "sim/done",
-      "service/status", "service/request",  "service/reply",   "fault/inject"};
+      "robot/state",    "robot/contact",   "robot/command",    "robot/motion",    "robot/order",
+      "plan",           "planner/debug",   "object/detection", "object/estimate", "sim/done",
+      "service/status", "service/request", "service/reply",    "fault/inject"};
   for (const auto& [name, topic] : kTopics) {
     INFO(name);
     CHECK((topic->descriptor->m_nkeys > 0) == (keyed.count(name) == 1));

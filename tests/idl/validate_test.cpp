@@ -86,6 +86,37 @@ bool usable(const RobotCommand& s) {
   return s.robot == 0 && near(s.origin, s.header.time_ns) && below(s.tau_nm, 1e3) &&
          known(s.mode, 3) && below(s.p_WE_desired_m, 5) && below(s.v_WE_desired_m_per_s, 10);
 }
+bool usable(const RobotMotion& s) {
+  return s.robot == 0 && near(s.origin, s.header.time_ns) && known(s.kind, 3) &&
+         below(s.q_rad, 10) && below(s.dq_rad_per_s, 100) && below(s.p_WE_m, 5) &&
+         (s.kind == c3rt_v2_MOTION_CARTESIAN_POSE ? unit(s.q_WE) : unit_or_none(s.q_WE)) &&
+         below(s.v_WE_m_per_s, 10) && below(s.omega_WE_rad_per_s, 100) && known(s.has_elbow) &&
+         std::fabs(s.elbow_q3_rad) <= 10 && std::fabs(s.elbow_sign) <= 1 && known(s.finished);
+}
+/// No contact above its collision, and no collision that any touch would be.
+template <std::size_t n>
+bool in_order(const double (&contact)[n], const double (&collision)[n]) {
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(contact[i] >= 0 && contact[i] <= collision[i])) return false;
+    if (!(collision[i] >= 0.1 && collision[i] <= 1e3)) return false;
+  }
+  return true;
+}
+bool usable(const RobotOrder& s) {
+  if (!known(s.kind, 3) || !known(s.engaged) || !known(s.free_elbow)) return false;
+  for (const c3rt_v2_ContactThresholds* t : {&s.acceleration, &s.nominal}) {
+    if (s.kind == c3rt_v2_ORDER_THRESHOLDS &&
+        !(in_order(t->contact_torque_nm, t->collision_torque_nm) &&
+          in_order(t->contact_force_E_n, t->collision_force_E_n) &&
+          in_order(t->contact_torque_E_nm, t->collision_torque_E_nm)))
+      return false;
+  }
+  const bool leads_nowhere =
+      s.kind == c3rt_v2_ORDER_GUIDING && s.engaged && !s.free_elbow && s.free_axes == 0;
+  const bool takes_no_time = s.kind == c3rt_v2_ORDER_PUSH && s.duration_s < 1e-3;
+  return s.robot == 0 && s.free_axes < 64 && !leads_nowhere && !takes_no_time &&
+         below(s.force_W_n, 200) && s.duration_s >= 0 && s.duration_s <= 60;
+}
 bool usable(const Plan& s) {
   const double valid_s =
       1e-9 * (static_cast<double>(s.valid_until_ns) - static_cast<double>(s.header.time_ns));
@@ -287,6 +318,55 @@ TEST_CASE("validate: the finding names the field, what came and what was expecte
   FaultInject fault{};
   fault.value[0] = kNaN;
   CHECK(answer(fault) == "value[0] is nan, expected -1000 to 1000");
+}
+
+TEST_CASE("validate: what nobody can order of the robot is named") {
+  RobotOrder order{};
+  CHECK(answer(order).empty());  // a hand that lets go
+  order.engaged = true;
+  CHECK(answer(order) == "free_axes is 0, expected 1 to 63");
+  order.free_axes = 64;
+  CHECK(answer(order) == "free_axes is 64, expected 1 to 63");
+  order.free_axes = 0;
+  order.free_elbow = true;
+  CHECK(answer(order).empty());
+  order = {};
+  order.kind = c3rt_v2_ORDER_PUSH;
+  CHECK(answer(order) == "duration_s is 0, expected 0.001 to 60");
+  order.duration_s = 1.0;
+  order.force_W_n[1] = -201.0;
+  CHECK(answer(order) == "force_W_n[1] is -201, expected -200 to 200");
+  order = {};
+  order.kind = c3rt_v2_ORDER_THRESHOLDS;
+  CHECK(answer(order) == "acceleration.collision_torque_nm[0] is 0, expected 0.1 to 1000");
+  for (c3rt_v2_ContactThresholds* t : {&order.acceleration, &order.nominal}) {
+    std::fill(std::begin(t->collision_torque_nm), std::end(t->collision_torque_nm), 20.0);
+    std::fill(std::begin(t->collision_force_E_n), std::end(t->collision_force_E_n), 30.0);
+    std::fill(std::begin(t->collision_torque_E_nm), std::end(t->collision_torque_E_nm), 5.0);
+  }
+  CHECK(answer(order).empty());
+  order.nominal.contact_torque_nm[6] = 20.5;
+  CHECK(answer(order) == "nominal.contact_torque_nm[6] is 20.5, expected 0 to 20");
+  order.nominal.contact_torque_nm[6] = 20.0;
+  order.acceleration.contact_force_E_n[2] = kNaN;
+  CHECK(answer(order) == "acceleration.contact_force_E_n[2] is nan, expected 0 to 30");
+  order.acceleration.contact_force_E_n[2] = 0.0;
+  order.nominal.collision_torque_E_nm[0] = kInfinity;
+  CHECK(answer(order) == "nominal.collision_torque_E_nm[0] is inf, expected 0.1 to 1000");
+}
+
+TEST_CASE("validate: a pose that is commanded has a rotation, other motions need none") {
+  RobotMotion motion{};
+  CHECK(answer(motion).empty());
+  motion.kind = c3rt_v2_MOTION_CARTESIAN_POSE;
+  CHECK(answer(motion) == "zero quaternion q_WE: norm 0, expected 1");
+  motion.q_WE[2] = -1.0;
+  CHECK(answer(motion).empty());
+  motion.elbow_sign = -1.5;
+  CHECK(answer(motion) == "elbow_sign is -1.5, expected -1 to 1");
+  motion.elbow_sign = -1.0;
+  motion.dq_rad_per_s[3] = kNaN;  // a reader lets no number in that is none, of whatever kind
+  CHECK(answer(motion) == "dq_rad_per_s[3] is nan, expected -100 to 100");
 }
 
 TEST_CASE("validate: a header's sequence begins at 1 and its time is not far ahead") {

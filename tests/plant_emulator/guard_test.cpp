@@ -280,7 +280,7 @@ TEST_CASE("a wall stops the end effector") {
 
 TEST_CASE("a person leads the arm by the hand, and commands do not move it meanwhile") {
   Plant plant(test_parameters());
-  plant.request_guiding(true);
+  REQUIRE(plant.request_guiding());
   plant.step_1ms();
   REQUIRE(plant.state().mode == Mode::kGuiding);
   const Eigen::Vector3d start = plant.state().p_WE;
@@ -292,11 +292,79 @@ TEST_CASE("a person leads the arm by the hand, and commands do not move it meanw
   plant.pull({0.0, 10.0, 0.0}, 0.5);
   for (int i = 0; i < 500; ++i) plant.step_1ms();
   CHECK(plant.state().p_WE.y() > start.y() + 0.01);
-  plant.request_guiding(false);
+  plant.release();
   plant.step_1ms();
   CHECK(plant.state().mode == Mode::kIdle);
   for (int i = 0; i < 1000; ++i) plant.step_1ms();
   CHECK(plant.state().dq.norm() < 1e-3);
+}
+
+TEST_CASE("a hand leads the arm along the axes that are free, and is held along the others") {
+  constexpr double kForce = 15.0;  // [N]
+  for (const int axis : {0, 1, 2}) {
+    Plant plant(test_parameters());
+    REQUIRE(plant.request_guiding({1U << axis, true}));
+    plant.step_1ms();
+    REQUIRE(plant.state().mode == Mode::kGuiding);
+    const Eigen::Vector3d start = plant.state().p_WE;
+    const Eigen::Quaterniond turned = plant.state().q_WE;
+    plant.pull(Eigen::Vector3d::Constant(kForce), 1.0);
+    for (int i = 0; i < 1000; ++i) plant.step_1ms();
+    const Eigen::Vector3d way = plant.state().p_WE - start;
+    CAPTURE(axis, way.transpose());
+    for (int i = 0; i < 3; ++i) {
+      // 15 N against 3000 N/m are 5 mm, and the hand pushes on along the free axis
+      if (i != axis) CHECK(std::abs(way[i]) < 1.5 * kForce / 3000.0);
+    }
+    CHECK(way[axis] > 0.03);
+    CHECK(turned.angularDistance(plant.state().q_WE) < 0.1);
+  }
+}
+
+TEST_CASE("an axis that is locked holds a hand's force as a spring of 3000 N/m") {
+  Plant plant(test_parameters());
+  REQUIRE(plant.request_guiding({1U, false}));  // along x alone
+  plant.step_1ms();
+  const Eigen::Vector3d start = plant.state().p_WE;
+  plant.pull({0.0, 12.0, 0.0}, 3.0);
+  for (int i = 0; i < 2500; ++i) plant.step_1ms();
+  CHECK(plant.state().p_WE.y() - start.y() == Approx(12.0 / 3000.0).epsilon(0.05));
+  CHECK(plant.state().dq.norm() < 1e-2);
+}
+
+TEST_CASE("a locked elbow stays while the hand leads the end effector") {
+  double moved[2] = {};
+  for (const bool elbow : {false, true}) {
+    Plant plant(test_parameters());
+    REQUIRE(plant.request_guiding({63U, elbow}));
+    plant.step_1ms();
+    const double start = plant.state().q[2];
+    plant.pull({0.0, 15.0, 0.0}, 1.0);
+    for (int i = 0; i < 1000; ++i) plant.step_1ms();
+    moved[elbow] = std::abs(plant.state().q[2] - start);
+  }
+  CAPTURE(moved[0], moved[1]);
+  CHECK(moved[1] > 3.0 * moved[0]);
+}
+
+TEST_CASE("while the stop button is pressed nothing moves the arm, and nothing recovers it") {
+  Plant plant(test_parameters());
+  Holder holder(plant);
+  holder.run(plant, 100);
+  plant.press_stop(true);
+  holder.run(plant, 500);
+  CHECK(plant.state().mode == Mode::kUserStopped);
+  CHECK_FALSE(plant.request_guiding());
+  plant.request_recovery();
+  holder.run(plant, 100);
+  CHECK(plant.state().mode == Mode::kUserStopped);
+  plant.press_stop(false);
+  holder.run(plant, 100);
+  CHECK(plant.state().mode == Mode::kUserStopped);  // until a person recovers it
+  plant.request_recovery();
+  holder.run(plant, 2);
+  CHECK(plant.state().mode == Mode::kMove);
+  CHECK_FALSE(plant.request_guiding());  // commands move it
 }
 
 TEST_CASE("a joint out of its range may be led back, and not farther out") {
@@ -310,7 +378,7 @@ TEST_CASE("a joint out of its range may be led back, and not farther out") {
     }
     REQUIRE(plant.state().errors == bit(Error::kJointPositionLimitsViolation));
     for (int i = 0; i < 500; ++i) plant.step_1ms();
-    plant.request_guiding(true);
+    REQUIRE(plant.request_guiding());
     plant.step_1ms();
     // joint 1 turns about z: the tangent at the end effector
     const Eigen::Vector3d p = plant.state().p_WE;

@@ -1,10 +1,12 @@
 // The process c3rt-plant on a real bus, with this test as its controller.
 #include "idl/process.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -247,6 +249,153 @@ TEST_CASE(
   CHECK(std::string(answers.front().text) == "follows commands");
   child.signal(SIGTERM);
   CHECK(child.wait() == 0);
+}
+
+/// The plant in lockstep with this test as who moves it: orders, motions, and what comes back.
+class Mover {
+ public:
+  /// One cycle. @param motion to be sent; nullptr: none
+  void cycle(wire::RobotMotion* motion) {
+    if (!loop_.wait(now_ns_)) FAIL(loop_.failure());
+    REQUIRE(states_.take(state));
+    wire::RobotContact sample{};
+    while (contacts_.take(sample)) contact = sample;
+    if (motion == nullptr) return;
+    motion->origin.state_ns = now_ns_;
+    REQUIRE(motions_.write(*motion, now_ns_));
+  }
+  void rest(int cycles) {
+    for (int i = 0; i < cycles; ++i) cycle(nullptr);
+  }
+  /// Orders, and turns the cycle until it is answered. Empty: obeyed, else why not.
+  std::string order(wire::RobotOrder order, wire::RobotMotion* meanwhile = nullptr) {
+    order.request_id = ++asked_;
+    orders_.write(order, 0);
+    for (int i = 0; i < 5000; ++i) {
+      cycle(meanwhile);
+      wire::ServiceReply reply{};
+      while (replies_.take(reply)) {
+        if (reply.request_id == asked_) return reply.ok ? "" : reply.text;
+      }
+    }
+    return "not answered";
+  }
+  /// Joint 7 by `way` within `cycles`, as 10 s^3 - 15 s^4 + 6 s^5; without the samples `lost`.
+  void turn(double way, int cycles, const std::function<bool(int)>& lost = {}) {
+    const wire::RobotState start = state;
+    wire::RobotMotion motion{};
+    motion.kind = c3rt_v2_MOTION_JOINT_POSITION;
+    for (int k = 0; k <= cycles; ++k) {
+      const double s = static_cast<double>(k) / cycles;
+      std::copy(std::begin(start.q_rad), std::end(start.q_rad), motion.q_rad);
+      motion.q_rad[6] += way * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+      motion.finished = k == cycles;
+      const double led = motion.q_rad[6];
+      cycle(lost && lost(k) ? nullptr : &motion);
+      // the state that came is of where the sample before this one led
+      if (k > 0) farthest = std::max(farthest, std::abs(state.q_rad[6] - led_));
+      led_ = led;
+    }
+    cycle(nullptr);
+  }
+  /// Turns the cycle until it is so. @return false if it does not become so
+  bool until(const std::function<bool()>& condition) {
+    for (int i = 0; i < 5000 && !condition(); ++i) cycle(nullptr);
+    return condition();
+  }
+
+  wire::RobotState state{};
+  wire::RobotContact contact{};
+  double farthest = 0.0;  // of joint 7 from where a motion led it [rad]
+
+ private:
+  Child child_{kScenario, {"--clock", "lockstep", "--expect", "impedance"}};
+  wire::Bus bus_{{test_domain(), kProfile, "client", wire::ClockMode::kLockstep, 0}};
+  wire::Reader<wire::RobotState> states_{bus_};
+  wire::Reader<wire::RobotContact> contacts_{bus_};
+  wire::Reader<wire::ServiceReply> replies_{bus_};
+  wire::Writer<wire::RobotMotion> motions_{bus_};
+  wire::Writer<wire::RobotOrder> orders_{bus_};
+  wire::Loop loop_{bus_, {c3rt_v2_PROCESS_IMPEDANCE, 1'000'000}};
+  std::int64_t now_ns_ = 0;
+  std::uint64_t asked_ = 0;
+  double led_ = 0.0;
+};
+
+TEST_CASE("in lockstep a client's motion turns a joint as it says, and a gap in it brakes") {
+  Mover mover;
+  mover.rest(5);
+  const double start = mover.state.q_rad[6];
+  mover.turn(0.3, 800);
+  CHECK(mover.state.mode == c3rt_v2_ROBOT_IDLE);
+  CHECK(mover.state.errors == 0);
+  CHECK(mover.state.q_rad[6] - start == Approx(0.3).margin(1e-3));
+  CHECK(mover.farthest < 1e-3);
+  CHECK(mover.farthest > 0.0);
+  mover.rest(200);
+
+  mover.turn(-0.05, 800, [](int k) { return k >= 100 && k < 119; });
+  CHECK(mover.state.mode == c3rt_v2_ROBOT_IDLE);  // nineteen are bridged
+  CHECK(mover.state.errors == 0);
+  mover.rest(200);
+  mover.turn(0.05, 800, [](int k) { return k >= 100 && k < 120; });
+  CHECK(mover.state.mode == c3rt_v2_ROBOT_REFLEX);
+  CHECK(mover.state.errors == bit(Error::kCommunicationConstraintsViolation));
+  mover.rest(500);
+  CHECK(std::abs(mover.state.dq_rad_per_s[6]) < 0.01);
+}
+
+TEST_CASE("in lockstep a client leads the arm by the hand, and sets what a collision is") {
+  Mover mover;
+  mover.rest(5);
+  wire::RobotOrder guide{}, release{}, push{}, thresholds{};
+  guide.kind = release.kind = c3rt_v2_ORDER_GUIDING;
+  guide.engaged = true;
+  push.kind = c3rt_v2_ORDER_PUSH;
+  push.force_W_n[1] = 15.0;
+  push.duration_s = 0.5;
+  thresholds.kind = c3rt_v2_ORDER_THRESHOLDS;
+  CHECK(mover.order(guide) ==
+        "refused: free_axes is 0, expected 1 to 63");  // and the arm is not led
+  guide.free_axes = 63;
+  guide.free_elbow = true;
+  REQUIRE(mover.order(guide).empty());
+  CHECK(mover.until([&] { return mover.contact.guided; }));
+  const double start = mover.state.p_WE_m[1];
+  REQUIRE(mover.order(push).empty());
+  mover.rest(600);
+  CHECK(mover.state.p_WE_m[1] > start + 0.02);
+  REQUIRE(mover.order(release).empty());
+  CHECK(mover.until([&] { return !mover.contact.guided; }));
+  mover.rest(500);
+  CHECK(mover.state.mode == c3rt_v2_ROBOT_IDLE);
+
+  for (c3rt_v2_ContactThresholds* t : {&thresholds.acceleration, &thresholds.nominal}) {
+    std::fill(std::begin(t->collision_torque_nm), std::end(t->collision_torque_nm), 50.0);
+    std::fill(std::begin(t->collision_force_E_n), std::end(t->collision_force_E_n), 20.0);
+    std::fill(std::begin(t->collision_torque_E_nm), std::end(t->collision_torque_E_nm), 50.0);
+  }
+  REQUIRE(mover.order(thresholds).empty());
+  wire::RobotMotion hold{};
+  hold.kind = c3rt_v2_MOTION_JOINT_VELOCITY;
+  for (int i = 0; i < 100; ++i) mover.cycle(&hold);
+  REQUIRE(mover.state.mode == c3rt_v2_ROBOT_MOVE);
+  CHECK_THAT(mover.order(thresholds, &hold),
+             Catch::Contains("expected a robot that nothing moves") &&
+                 Catch::Contains("follows commands"));
+  push.force_W_n[1] = 0.0;
+  for (const double force : {14.0, 28.0}) {
+    CAPTURE(force);
+    push.force_W_n[2] = force;
+    push.duration_s = 0.2;
+    REQUIRE(mover.order(push, &hold).empty());
+    for (int i = 0; i < 300; ++i) mover.cycle(&hold);
+    CHECK(mover.state.mode == (force < 20.0 ? c3rt_v2_ROBOT_MOVE : c3rt_v2_ROBOT_REFLEX));
+  }
+  CHECK((mover.state.errors & bit(Error::kCartesianReflex)) != 0);
+  CHECK(mover.until([&] { return mover.contact.error >= 0; }));
+  CHECK(mover.contact.error == static_cast<int>(Error::kCartesianReflex));
+  CHECK(mover.contact.limit == 20.0);
 }
 
 TEST_CASE(

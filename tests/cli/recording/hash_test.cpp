@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "cli/recording/samples.hpp"
 #include "idl/text.hpp"
 
 namespace {
@@ -83,4 +84,23 @@ TEST_CASE("the hash does not see the padding between the fields") {
   visit_sample(zeros, a);
   visit_sample(ones, b);
   REQUIRE(a.value() == b.value());
+}
+
+TEST_CASE("the hash of a run without motions is that of the seven streams of version 0.12") {
+  HashVisitor seven;
+  for (int i = 0; i < 7; ++i) seven("", HashVisitor().value());
+  Samples samples;
+  CHECK(samples.log_hash() == seven.text());
+  wire::RobotOrder order{};
+  order.header.seq = 1;
+  samples.add(order);
+  CHECK(samples.log_hash() == seven.text());  // no stream, as requests and faults
+  wire::RobotMotion motion{};
+  motion.header.seq = 1;
+  samples.add(motion);
+  const std::string with_one = samples.log_hash();
+  CHECK(with_one != seven.text());
+  motion.q_rad[6] = 1e-12;
+  samples.add(motion);
+  CHECK(samples.log_hash() != with_one);
 }

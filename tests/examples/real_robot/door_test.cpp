@@ -45,7 +45,7 @@ class Robot {
       if (fails_) state.errors = plant::bit(plant::Error::kCartesianReflex);
       if (pressed_) state.mode = Mode::kUserStopped;
       door_.see(state, controlled_);
-      out_ = door_.step(now_ns_, tau ? &command : nullptr);
+      out_ = door_.step(now_ns_, tau ? &command : nullptr, nullptr);
       const bool before = controlled_;
       controlled_ = door_.wants_control();
       if (before && !controlled_) {
@@ -208,6 +208,36 @@ TEST_CASE("door: of faults it has lost commands alone") {
   CHECK(robot.state().errors == kLost);
 }
 
+TEST_CASE("door: thresholds go to the robot between two loops, other orders are refused by name") {
+  Robot robot(plant::test_parameters());
+  plant::Order order{};
+  order.kind = plant::OrderKind::kThresholds;
+  order.request_id = 3;
+  order.behavior.nominal.collision_torque.setConstant(20.0);
+  plant::Answered answered{};
+  robot.run(10, {});
+  robot.door().obey(order);
+  CHECK_FALSE(robot.door().answered().take(answered));  // the robot has not taken them yet
+  REQUIRE(robot.door().wanted_behavior() != nullptr);
+  CHECK(robot.door().wanted_behavior()->nominal.collision_torque[6] == 20.0);
+  robot.door().settled(true);
+  REQUIRE(robot.door().answered().take(answered));
+  CHECK(answered.request_id == 3);
+  CHECK(answered.outcome == plant::Outcome::kObeyed);
+  CHECK(robot.door().wanted_behavior() == nullptr);
+  robot.run(50, turning());
+  robot.door().obey(order);
+  REQUIRE(robot.door().answered().take(answered));
+  CHECK(answered.outcome == plant::Outcome::kMoves);
+  CHECK(robot.door().wanted_behavior() == nullptr);
+
+  CHECK(robot.door().refusal(plant::OrderKind::kThresholds).empty());
+  CHECK_THAT(robot.door().refusal(plant::OrderKind::kGuide), Catch::Contains("buttons"));
+  CHECK_THAT(robot.door().refusal(plant::OrderKind::kPressStop), Catch::Contains("stop button"));
+  CHECK_THAT(robot.door().refusal(plant::OrderKind::kPushArm), Catch::Contains("hand"));
+  CHECK_THAT(robot.door().refusal_of_motions(), Catch::Contains("torques alone"));
+}
+
 TEST_CASE("door: a cycle does not allocate") {
   Door door(plant::test_parameters());
   const plant::Plant arm(plant::test_parameters());
@@ -218,7 +248,7 @@ TEST_CASE("door: a cycle does not allocate") {
     for (int i = 1; i <= 200; ++i) {
       command.header.seq = static_cast<std::uint64_t>(i);
       door.see(arm.state(), i > 1);
-      door.step(i * plant::kCycleNs, i < 100 ? &command : nullptr);
+      door.step(i * plant::kCycleNs, i < 100 ? &command : nullptr, nullptr);
     }
     heap_calls = heap.count();
   }
