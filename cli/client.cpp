@@ -24,6 +24,7 @@ constexpr double kReply = 10.0;    // until a process must have answered [s]
 constexpr double kPresence = 0.5;  // in which a process that runs tells its status [s]
 
 wire::Process asked(const wire::TaskTarget&) { return c3rt_v2_PROCESS_PLANNER; }
+wire::Process asked(const wire::RobotOrder&) { return c3rt_v2_PROCESS_PLANT; }
 template <typename T>
 wire::Process asked(const T& sample) {
   return sample.process;
@@ -126,6 +127,12 @@ int inject(const Seat& seat, wire::FaultInject fault) {
       wire::refusal(fault, scenario ? fault_scope(*scenario) : wire::FaultScope{});
   if (!refused.empty()) throw UsageError("fault: " + refused);
   return ask(seat, std::vector{fault});
+}
+
+int order(const Seat& seat, const wire::RobotOrder& order) {
+  const wire::Refusal refused = wire::validate(order);
+  if (refused) throw UsageError("robot: " + to_text(refused));
+  return ask(seat, std::vector{order});
 }
 
 int set_target(const Seat& seat, const task::Request& request) {

@@ -34,6 +34,11 @@ int request(const Seat& seat, const std::vector<wire::Process>& processes,
 /// @throws UsageError for what the scenario that runs cannot do
 int inject(const Seat& seat, wire::FaultInject fault);
 
+/// Orders something of the robot itself, and awaits its answer. @return an exit status: 1 if it
+/// refuses
+/// @throws UsageError for what no robot could do
+int order(const Seat& seat, const wire::RobotOrder& order);
+
 /// Asks the planner for a new target, and for its answer. @return an exit status: 1 if it refuses
 /// @throws UsageError for what no planner knows, or the scenario that runs cannot reach
 int set_target(const Seat& seat, const task::Request& request);

@@ -1,4 +1,5 @@
 // The one command that a person types.
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -84,6 +85,8 @@ std::vector<std::string> process_names() {
   return names;
 }
 
+const std::vector<std::string> kAxes{"x", "y", "z", "roll", "pitch", "yaw"};
+
 // what no scenario can have; the process that is asked knows its own limits
 constexpr double kFarthest = 1e3;  // [m], [N s], [deg]
 constexpr int kMostCameras = 64;
@@ -102,6 +105,7 @@ class CommandLine {
     add_keys();
     add_requests();
     add_faults();
+    add_robot();
     add_targets();
     add_tools();
     add_recordings();
@@ -301,6 +305,107 @@ class CommandLine {
     fault(parent, "stall", "A process stops answering", c3rt_v2_FAULT_STALL, std::nullopt);
     fault(parent, "nan", "A process writes NaN", c3rt_v2_FAULT_NAN, std::nullopt);
     fault(parent, "none", "Ends every fault of a process", c3rt_v2_FAULT_NONE, std::nullopt);
+  }
+
+  /// What a person does to the robot itself. @param fill the order, once the words are read
+  CLI::App* order(CLI::App& parent, const std::string& name, const std::string& description,
+                  std::function<void(wire::RobotOrder&)> fill) {
+    CLI::App* added = command(parent, name, description, [this, fill = std::move(fill)] {
+      wire::RobotOrder sample{};
+      fill(sample);
+      return cli::order(seat_, sample);
+    });
+    add_seat(*added, seat_);
+    return added;
+  }
+
+  void add_robot() {
+    CLI::App& parent =
+        *group(app_, "robot", "What a person does to the robot itself, by hand or by a setting");
+    parent.require_subcommand(1);
+    add_thresholds(parent);
+    CLI::App* guide = order(parent, "guide", "Takes the arm by the hand, while nothing moves it",
+                            [this](wire::RobotOrder& sample) {
+                              sample.kind = c3rt_v2_ORDER_GUIDING;
+                              sample.engaged = true;
+                              for (const std::string& axis : axes_) {
+                                const auto place = std::find(kAxes.begin(), kAxes.end(), axis);
+                                sample.free_axes |= 1U << (place - kAxes.begin());
+                              }
+                              sample.free_elbow = !elbow_locked_;
+                            });
+    guide
+        ->add_option("--axes", axes_,
+                     "Of the world, along and about which it can be led: x,y,yaw; default: all")
+        ->delimiter(',')
+        ->check(cli::one_of(kAxes));
+    guide->add_flag("--lock-elbow", elbow_locked_, "Joint 3 stays where it is");
+    order(parent, "release", "Lets go of the arm",
+          [](wire::RobotOrder& sample) { sample.kind = c3rt_v2_ORDER_GUIDING; });
+    CLI::App* stop = order(parent, "user-stop", "Presses the robot's stop button, or releases it",
+                           [this](wire::RobotOrder& sample) {
+                             sample.kind = c3rt_v2_ORDER_USER_STOP;
+                             sample.engaged = button_ == "press";
+                           });
+    stop->add_option("button", button_, "press or release")
+        ->required()
+        ->check(cli::one_of({"press", "release"}));
+    CLI::App* push =
+        order(parent, "push", "Pushes the end effector", [this](wire::RobotOrder& sample) {
+          sample.kind = c3rt_v2_ORDER_PUSH;
+          std::copy(force_n_.begin(), force_n_.end(), sample.force_W_n);
+          sample.duration_s = push_s_;
+        });
+    numbers(*push, "--force", force_n_, "Along x, y, z of the world [N]")->expected(3)->required();
+    push->add_option("--for", push_s_, "How long [s]")
+        ->check(cli::number(0.001, 60.0))
+        ->capture_default_str();
+  }
+
+  void add_thresholds(CLI::App& parent) {
+    CLI::App* thresholds = order(
+        parent, "thresholds",
+        "From which force on a contact is told and a collision stops the robot; while nothing "
+        "moves it",
+        [this](wire::RobotOrder& sample) {
+          sample.kind = c3rt_v2_ORDER_THRESHOLDS;
+          // a contact that has no threshold is told with the collision
+          if (contact_torque_nm_.empty()) contact_torque_nm_ = collision_torque_nm_;
+          if (contact_force_n_.empty()) contact_force_n_ = collision_force_n_;
+          c3rt_v2_ContactThresholds& to = sample.nominal;
+          spread("--collision-torque", collision_torque_nm_, 7, to.collision_torque_nm);
+          spread("--contact-torque", contact_torque_nm_, 7, to.contact_torque_nm);
+          spread("--collision-force", collision_force_n_, 6, to.collision_force_E_n);
+          spread("--collision-force", collision_force_n_, 6, to.collision_torque_E_nm, 3);
+          spread("--contact-force", contact_force_n_, 6, to.contact_force_E_n);
+          spread("--contact-force", contact_force_n_, 6, to.contact_torque_E_nm, 3);
+          sample.acceleration = sample.nominal;
+        });
+    const auto add = [&](const char* name, std::vector<double>& values, const char* what) {
+      return thresholds->add_option(name, values, what)->check(cli::number(0.0, kFarthest));
+    };
+    add("--collision-torque", collision_torque_nm_, "Of each joint, or one for all seven [N m]")
+        ->required()
+        ->expected(1, 7);
+    add("--collision-force", collision_force_n_,
+        "Along and about x, y, z of the end effector, or one for all six [N, N m]")
+        ->required()
+        ->expected(1, 6);
+    add("--contact-torque", contact_torque_nm_, "The same of a contact; default: as of a collision")
+        ->expected(1, 7);
+    add("--contact-force", contact_force_n_, "The same of a contact; default: as of a collision")
+        ->expected(1, 6);
+  }
+
+  /// As many as the field has, from the place `first` on, of one number or of `count`.
+  template <std::size_t n>
+  static void spread(const char* name, const std::vector<double>& values, std::size_t count,
+                     double (&out)[n], std::size_t first = 0) {
+    if (values.size() != 1 && values.size() != count) {
+      throw cli::UsageError(fmt::format("robot thresholds: {}: expected 1 or {} numbers, got {}",
+                                        name, count, values.size()));
+    }
+    for (std::size_t i = 0; i < n; ++i) out[i] = values.size() == 1 ? values[0] : values[first + i];
   }
 
   /// @param wanted its parameters, by the keys of a scenario's section `task`
@@ -795,6 +900,13 @@ class CommandLine {
   int index_ = 0;
   double fault_duration_s_ = 1.0;
   std::vector<double> impulse_ns_{0.0, 0.0, 0.0};
+  std::vector<double> force_n_{0.0, 0.0, 0.0};
+  std::vector<double> collision_torque_nm_, collision_force_n_, contact_torque_nm_,
+      contact_force_n_;
+  std::vector<std::string> axes_ = kAxes;
+  bool elbow_locked_ = false;
+  std::string button_;
+  double push_s_ = 0.5;
   std::vector<double> position_m_{0.55, 0.0};
   double radius_m_ = 0.1;
   double lead_deg_ = 20.0;

@@ -177,4 +177,47 @@ Reply Client::fault(const wire::FaultInject& fault, double seconds) {
   return all(ask(std::vector{fault}, seconds), {fault.process}, seconds).front();
 }
 
+Reply Client::guide(std::uint32_t free_axes, bool free_elbow, double seconds) {
+  wire::RobotOrder sample{};
+  sample.kind = c3rt_v2_ORDER_GUIDING;
+  sample.engaged = true;
+  sample.free_axes = free_axes;
+  sample.free_elbow = free_elbow;
+  return order(sample, seconds);
+}
+
+Reply Client::release(double seconds) {
+  wire::RobotOrder sample{};
+  sample.kind = c3rt_v2_ORDER_GUIDING;
+  return order(sample, seconds);
+}
+
+Reply Client::user_stop(bool pressed, double seconds) {
+  wire::RobotOrder sample{};
+  sample.kind = c3rt_v2_ORDER_USER_STOP;
+  sample.engaged = pressed;
+  return order(sample, seconds);
+}
+
+Reply Client::thresholds(const c3rt_v2_ContactThresholds& nominal,
+                         const c3rt_v2_ContactThresholds& acceleration, double seconds) {
+  wire::RobotOrder sample{};
+  sample.kind = c3rt_v2_ORDER_THRESHOLDS;
+  sample.nominal = nominal;
+  sample.acceleration = acceleration;
+  return order(sample, seconds);
+}
+
+Reply Client::push(const std::array<double, 3>& force_W, double duration, double seconds) {
+  wire::RobotOrder sample{};
+  sample.kind = c3rt_v2_ORDER_PUSH;
+  std::copy(force_W.begin(), force_W.end(), sample.force_W_n);
+  sample.duration_s = duration;
+  return order(sample, seconds);
+}
+
+Reply Client::order(const wire::RobotOrder& order, double seconds) {
+  return all(ask(std::vector{order}, seconds), {c3rt_v2_PROCESS_PLANT}, seconds).front();
+}
+
 }  // namespace c3rt::client

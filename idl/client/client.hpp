@@ -116,7 +116,24 @@ class Client {
   Reply shutdown(wire::Process process, double seconds = kPatience_s);
   Reply fault(const wire::FaultInject& fault, double seconds = kPatience_s);
 
-  /// Asks all before one has to answer: of TaskTarget, ServiceRequest or FaultInject.
+  // What a person does to the robot itself, answered once it has obeyed (docs/reliability.md)
+
+  /// Takes the arm by the hand. @param free_axes of W that it can be led along and about: bits x,
+  /// y, z, roll, pitch, yaw. @param free_elbow and joint 3
+  Reply guide(std::uint32_t free_axes = 63, bool free_elbow = true, double seconds = kPatience_s);
+  Reply release(double seconds = kPatience_s);  // and lets go of it
+  /// Presses the robot's stop button, or releases it; then recover() ends the stop.
+  Reply user_stop(bool pressed, double seconds = kPatience_s);
+  /// Sets from which torque or force on a contact is told, and from which on a collision stops the
+  /// robot; while nothing moves it. @param nominal, acceleration: while no joint accelerates, or
+  /// one
+  Reply thresholds(const c3rt_v2_ContactThresholds& nominal,
+                   const c3rt_v2_ContactThresholds& acceleration, double seconds = kPatience_s);
+  /// Pushes the end effector's centre. @param force_W [N] @param duration [s]
+  Reply push(const std::array<double, 3>& force_W, double duration, double seconds = kPatience_s);
+  Reply order(const wire::RobotOrder& order, double seconds = kPatience_s);
+
+  /// Asks all before one has to answer: of TaskTarget, ServiceRequest, FaultInject or RobotOrder.
   /// @return an answer for each sample; nothing of who did not answer in time
   template <typename T>
   std::vector<std::optional<Reply>> ask(std::vector<T> samples, double seconds);
@@ -175,7 +192,7 @@ T Client::newest(double seconds) {
 
 template <typename T>
 std::vector<std::optional<Reply>> Client::ask(std::vector<T> samples, double seconds) {
-  static_assert(wire::kAnswered<T>, "a target, a request or a fault");
+  static_assert(wire::kAnswered<T>, "a target, a request, a fault or an order");
   auto& writer = kept<wire::Writer<T>>(writers_[wire::table::PlaceOf<T>::value]);
   await_listeners(writer, wire::topic<T>().name);
   const std::uint64_t first_id = next_id_;

@@ -14,7 +14,8 @@ from cyclonedds.qos import Policy  # noqa: E402
 
 import c3rt.v2 as types  # noqa: E402
 from c3rt._core import refusal  # noqa: E402
-from c3rt.client import Client, Estimate, Estimator, Knot, NoAnswer, Planner, _bus, _client, _process  # noqa: E402
+from c3rt.client import (CartesianPose, CartesianVelocities, Client, Estimate, Estimator, JointPositions,  # noqa: E402
+                         JointVelocities, Knot, Mover, NoAnswer, Planner, Thresholds, _bus, _client, _process)
 
 
 def test_the_library_alone_imports_no_dds():
@@ -90,6 +91,11 @@ def test_a_target_has_its_parameters_as_the_page_says():
     (lambda: _client.target_sample("pose", {"goals_m": [0] * 65}), ValueError, "^goals_m: expected at most 64 numbers, got 65"),
     (lambda: _client.target_sample("pose", {f"p{i}": 0 for i in range(17)}), ValueError, "^target: expected at most 16"),
     (lambda: _client.process_of("moon"), ValueError, "^process: expected one of plant, impedance, planner, vision, got 'moon'"),
+    (lambda: Thresholds([20] * 6, 20).sample(), ValueError, "^collision_torque: expected 1 or 7 numbers, got 6"),
+    (lambda: Client.guide(None, axes=["x", "w"]), ValueError, "^axes: expected of x, y, z, roll, pitch, yaw, got 'w'"),
+    (lambda: Client.push(None, [1.0, 2.0], 0.5), ValueError, "^force: expected 3 numbers, got 2"),
+    (lambda: Mover()._sample([0.0] * 7), TypeError, r"^move\(\): expected JointPositions, .*, got \[0.0"),
+    (lambda: Mover()._sample(JointPositions([0.0] * 6)), ValueError, r"^q: expected the shape \(7,\), got \(6,\)"),
     (lambda: Planner().run(clock="mine"), ValueError, "^clock: expected realtime or lockstep, got 'mine'"),
     (lambda: type("P", (Planner,), {"rate_hz": 0})().run(), ValueError, "^rate_hz: expected a number from 1 to 1000, got 0"),
     (lambda: _process._vector("knots[0].p", [1, 2], 3), ValueError, r"^knots\[0\].p: expected the shape \(3,\), got \(2,\)"),
@@ -135,6 +141,39 @@ def test_an_estimate_is_an_estimate_of_an_object_that_can_be():
         sees._write(0, [(0, [0, 0, 0])])
     with pytest.raises(ValueError, match="^index: expected 0 to 7, got 8"):
         sees._write(0, [Estimate(8, [0, 0, 0])])
+
+
+def test_thresholds_of_contact_are_those_of_collision_unless_they_are_told():
+    sample = Thresholds(20.0, [30, 30, 30, 5, 5, 6]).sample()
+    assert sample.collision_torque_nm == sample.contact_torque_nm == [20.0] * 7
+    assert (sample.collision_force_E_n, sample.collision_torque_E_nm) == ([30, 30, 30], [5, 5, 6])
+    assert (sample.contact_force_E_n, sample.contact_torque_E_nm) == ([30, 30, 30], [5, 5, 6])
+    sample = Thresholds(20.0, 30.0, range(7), 10.0).sample()
+    assert sample.contact_torque_nm == [0, 1, 2, 3, 4, 5, 6] and sample.contact_torque_E_nm == [10.0] * 3
+    order = types.RobotOrder(header=types.Header(0, 1, 0), kind=types.OrderKind.ORDER_THRESHOLDS, nominal=sample, acceleration=sample)
+    assert refusal("robot/order", order.serialize()) == ""
+    order.acceleration = Thresholds(20.0, 30.0, contact_force=31.0).sample()
+    assert refusal("robot/order", order.serialize()) == "acceleration.contact_force_E_n[0] is 31, expected 0 to 30"
+
+
+def test_a_motion_says_what_its_kind_says_and_no_more():
+    mover = Mover()
+    header = types.Header(1, 1, 10)
+    for command, kind, field, numbers in (
+            (JointPositions(range(7)), "JOINT_POSITION", "q_rad", [0, 1, 2, 3, 4, 5, 6]),
+            (JointVelocities([0.1] * 7, True), "JOINT_VELOCITY", "dq_rad_per_s", [0.1] * 7),
+            (CartesianPose([0.5, 0, 0.1], [2, 0, 0, 0], (0.0, -1)), "CARTESIAN_POSE", "q_WE", [1, 0, 0, 0]),
+            (CartesianVelocities([0, 0.1, 0]), "CARTESIAN_VELOCITY", "v_WE_m_per_s", [0, 0.1, 0])):
+        sample = mover._sample(command)
+        sample.header = header
+        assert sample.kind.name == f"MOTION_{kind}" and getattr(sample, field) == numbers
+        assert sample.finished == command.finished and sample.has_elbow == (kind == "CARTESIAN_POSE")
+        assert refusal("robot/motion", sample.serialize()) == ""
+        expected = types.RobotMotion(header=header, kind=sample.kind, finished=sample.finished, has_elbow=sample.has_elbow,
+                                     elbow_sign=sample.elbow_sign, **{field: numbers})
+        if kind == "CARTESIAN_POSE":
+            expected.p_WE_m, expected.elbow_sign = [0.5, 0, 0.1], -1.0
+        assert sample == expected
 
 
 def estimate(**fields):

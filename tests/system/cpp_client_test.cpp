@@ -178,6 +178,31 @@ TEST_CASE("cpp client: beside a service in lockstep it reads, asks, and is refus
     CHECK(robot.newest<wire::RobotState>(patience).mode != c3rt_v2_ROBOT_MOVE);
     CHECK(robot.recover(patience).size() == 3);
 
+    // of the robot itself, by the same client and by a person's words
+    c3rt_v2_ContactThresholds soft{};
+    std::fill(std::begin(soft.collision_torque_nm), std::end(soft.collision_torque_nm), 40.0);
+    std::fill(std::begin(soft.collision_force_E_n), std::end(soft.collision_force_E_n), 30.0);
+    std::fill(std::begin(soft.collision_torque_E_nm), std::end(soft.collision_torque_E_nm), 30.0);
+    CHECK_THROWS_WITH(robot.thresholds(soft, soft, patience),
+                      "plant: refused: expected a robot that nothing moves (c3rt stop), got one "
+                      "that follows commands");
+    const std::string words = "robot thresholds --collision-torque 40 --collision-force 30";
+    CHECK(c3rt_command(words, folder).status == 1);
+    CHECK(robot.user_stop(true, patience).ok);
+    CHECK_THROWS_AS(robot.recover(patience), client::Refused);
+    CHECK_THROWS_AS(robot.guide(63, true, patience), client::Refused);
+    CHECK(robot.user_stop(false, patience).ok);
+    CHECK(robot.thresholds(soft, soft, patience).text == "thresholds set");
+    const support::Outcome set = c3rt_command(words, folder);
+    INFO(set.output);
+    CHECK(set.status == 0);
+    CHECK_THAT(set.output, Catch::Contains("plant: thresholds set"));
+    CHECK(c3rt_command("robot guide --axes x,y", folder).status == 0);
+    CHECK(robot.newest<wire::RobotContact>(patience).guided);
+    CHECK(robot.release(patience).ok);
+    CHECK(robot.stop(patience).size() == 3);
+    CHECK(robot.recover(patience).size() == 3);
+
     // beside a planner there is no place for another one, of whatever clock
     for (const char* clock : {"lockstep", "realtime"}) {
       Example planner(clock, folder);

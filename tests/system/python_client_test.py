@@ -11,13 +11,14 @@ import subprocess
 import sys
 import textwrap
 import threading
+import time
 
 import numpy as np
 import pytest
 
 pytest.importorskip("cyclonedds", reason="the package cyclonedds could not be had")
 
-from c3rt.client import Client, Estimate, Estimator, Refused  # noqa: E402
+from c3rt.client import Client, Estimate, Estimator, Refused, Thresholds  # noqa: E402
 from c3rt.v2 import RobotState  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -140,6 +141,42 @@ def test_someone_else_s_planner_with_mujoco_s_roll_outs_pushes_the_box_under_our
     report, _ = run(ROOT / "examples/mujoco_planner/push.yaml", "planner", tmp_path / "out")
     ends(planner)
     assert report["result"] == "passed" and report["clients"][0]["problems"] == []
+
+
+def soon(reader, condition):
+    """The first sample of which it holds, or None."""
+    end = time.monotonic() + PATIENCE
+    for sample in reader.samples(PATIENCE):
+        if condition(sample):
+            return sample
+        if time.monotonic() > end:
+            return None
+    return None
+
+
+def test_the_page_s_mover_turns_a_joint_and_a_person_leads_the_arm(tmp_path):
+    page = (ROOT / "docs/clients.md").read_text()
+    mine = textwrap.dedent(re.search(r"^    import numpy as np\n(?:    .*\n|\n)*", page, re.MULTILINE).group())
+    for said, instead in [("domain=0", f"domain={DOMAIN}"), ('clock="realtime"', 'clock="lockstep"')]:
+        assert mine.count(said) == 1
+        mine = mine.replace(said, instead)
+    with Client(DOMAIN) as robot:
+        states = robot.reader("robot/state", depth=2000)
+        mover = subprocess.Popen([sys.executable, "-c", mine])
+        c3rt("up", "circle_slow", "--without", "impedance", "--clock", "lockstep", "--domain", DOMAIN, "--out", tmp_path / "out")
+        try:
+            # from the scenario's initial pose, where joint 7 is 0
+            state = soon(states, lambda state: state.mode.name == "ROBOT_IDLE" and state.q_rad[6] > 0.1)
+            assert state.q_rad[6] == pytest.approx(0.2, abs=2e-3) and state.errors == 0
+            assert robot.guide(axes=("y",), timeout=PATIENCE).text == "the arm is led by the hand"
+            y = robot.newest("robot/state", PATIENCE).p_WE_m[1]
+            robot.push((0.0, 15.0, 0.0), 1.0, timeout=PATIENCE)
+            assert soon(states, lambda state: state.p_WE_m[1] > y + 0.02)
+            robot.release(timeout=PATIENCE)
+            assert robot.thresholds(Thresholds(40.0, 40.0), timeout=PATIENCE).text == "thresholds set"
+        finally:
+            c3rt("down", "--domain", DOMAIN)
+            assert mover.wait(PATIENCE) == 0
 
 
 def test_the_page_s_planner_is_one_and_what_it_does_wrong_is_named(tmp_path):

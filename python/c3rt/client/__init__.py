@@ -7,20 +7,38 @@
         robot.target("circle", center_m=[0.55, 0.0], radius_m=0.08)
 
 Needs the package cyclonedds: pip install './python[dds]'. The types are c3rt.v2's, generated from idl/c3rt.idl;
-docs/clients.md has the topics and the rules of the bus. A Planner and an Estimator of one's own are classes with one method.
+docs/clients.md has the topics and the rules of the bus. A Planner, an Estimator and a Mover of one's own are classes with one method.
 """
 
 from ._bus import Reader
-from ._client import Client, Reply
+from ._client import Client, Reply, Thresholds
 from ._errors import NoAnswer, Refused, WrongClock
-from ._process import Effector, Estimate, Estimator, Knot, Object, Planner, Situation
+from ._process import (
+    CartesianPose,
+    CartesianVelocities,
+    Effector,
+    Estimate,
+    Estimator,
+    JointPositions,
+    JointVelocities,
+    Knot,
+    Mover,
+    Object,
+    Planner,
+    Situation,
+)
 
 __all__ = [
+    "CartesianPose",
+    "CartesianVelocities",
     "Client",
     "Effector",
     "Estimate",
     "Estimator",
+    "JointPositions",
+    "JointVelocities",
     "Knot",
+    "Mover",
     "NoAnswer",
     "Object",
     "Planner",
@@ -28,5 +46,6 @@ __all__ = [
     "Refused",
     "Reply",
     "Situation",
+    "Thresholds",
     "WrongClock",
 ]

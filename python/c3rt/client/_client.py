@@ -19,6 +19,7 @@ FAULTS = {"none": types.FaultKind.FAULT_NONE, "push-object": types.FaultKind.FAU
           "drop-commands": types.FaultKind.FAULT_DROP_COMMANDS, "freeze-camera": types.FaultKind.FAULT_FREEZE_CAMERA,
           "lose-object": types.FaultKind.FAULT_LOSE_OBJECT, "stall": types.FaultKind.FAULT_STALL,
           "nan": types.FaultKind.FAULT_NAN}
+AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 LONGEST_TEXT = 31
 
 
@@ -70,6 +71,31 @@ def target_sample(kind: str, parameters: Dict[str, Value], request_id: int = 0) 
         place.value_count = len(numbers)
         place.values[: len(numbers)] = numbers
     return sample
+
+
+def _numbers_of(name: str, value: Any, count: int) -> List[float]:
+    """One for all, or so many."""
+    numbers = _numbers(name, value)
+    if len(numbers) not in (1, count):
+        raise ValueError(f"{name}: expected 1 or {count} numbers, got {len(numbers)}")
+    return numbers * count if len(numbers) == 1 else numbers
+
+
+class Thresholds(NamedTuple):
+    """From which torque or force on a contact is told, and from which on a collision stops the robot: one number for all, or one
+    for each of seven joints, and along and about x, y, z of the end effector. A contact's that is not given is the collision's."""
+
+    collision_torque: Any  # [N m]
+    collision_force: Any  # [N, N m]
+    contact_torque: Any = None
+    contact_force: Any = None
+
+    def sample(self) -> types.ContactThresholds:
+        collision = _numbers_of("collision_force", self.collision_force, 6)
+        contact = collision if self.contact_force is None else _numbers_of("contact_force", self.contact_force, 6)
+        torque = _numbers_of("collision_torque", self.collision_torque, 7)
+        contact_torque = torque if self.contact_torque is None else _numbers_of("contact_torque", self.contact_torque, 7)
+        return types.ContactThresholds(contact_torque, torque, contact[:3], contact[3:], collision[:3], collision[3:])
 
 
 class Client:
@@ -164,6 +190,38 @@ class Client:
                                    duration_s=float(duration_s), value=numbers)
         return self._ask("fault/inject", sample, {request: process}, timeout)[0]
 
+    # ---- what a person does to the robot itself; answered once it has obeyed
+
+    def guide(self, axes: Sequence[str] = AXES, elbow: bool = True, timeout: float = 5.0) -> Reply:
+        """Takes the arm by the hand, while nothing moves it: along and about these axes of the world, and at the elbow.
+        @raises Refused with the reason, NoAnswer"""
+        for axis in axes:
+            if axis not in AXES:
+                raise ValueError(f"axes: expected of {', '.join(AXES)}, got {axis!r}")
+        return self._order(timeout, kind=types.OrderKind.ORDER_GUIDING, engaged=True, free_elbow=bool(elbow),
+                           free_axes=sum(1 << AXES.index(axis) for axis in set(axes)))
+
+    def release(self, timeout: float = 5.0) -> Reply:
+        """Lets go of the arm."""
+        return self._order(timeout, kind=types.OrderKind.ORDER_GUIDING)
+
+    def user_stop(self, pressed: bool, timeout: float = 5.0) -> Reply:
+        """Presses the robot's stop button, or releases it; then recover() ends the stop. @raises Refused, NoAnswer"""
+        return self._order(timeout, kind=types.OrderKind.ORDER_USER_STOP, engaged=bool(pressed))
+
+    def thresholds(self, nominal: Thresholds, acceleration: Optional[Thresholds] = None, timeout: float = 5.0) -> Reply:
+        """Sets thresholds of contact and collision, while nothing moves the robot; acceleration: while a joint accelerates,
+        not given: as nominal. @raises Refused with the reason, NoAnswer"""
+        return self._order(timeout, kind=types.OrderKind.ORDER_THRESHOLDS, nominal=nominal.sample(),
+                           acceleration=(acceleration or nominal).sample())
+
+    def push(self, force: Sequence[float], duration: float, timeout: float = 5.0) -> Reply:
+        """Pushes the end effector: force [N] in the world's axes, duration [s]. @raises Refused, NoAnswer"""
+        numbers = _numbers("force", force)
+        if len(numbers) != 3:
+            raise ValueError(f"force: expected 3 numbers, got {len(numbers)}")
+        return self._order(timeout, kind=types.OrderKind.ORDER_PUSH, force_W_n=numbers, duration_s=float(duration))
+
     # ---- ending
 
     def close(self) -> None:
@@ -195,6 +253,10 @@ class Client:
         for sample in samples[:-1]:
             self._send("service/request", sample)
         return self._ask("service/request", samples[-1], asked, timeout)
+
+    def _order(self, timeout: float, **fields: Any) -> Reply:
+        request = self._new_id()
+        return self._ask("robot/order", types.RobotOrder(request_id=request, **fields), {request: "plant"}, timeout)[0]
 
     def _send(self, topic: str, sample: Any) -> None:
         self._bus.require_open()

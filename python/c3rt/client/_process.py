@@ -102,6 +102,41 @@ class Estimate(NamedTuple):
     name: str = ""
 
 
+class JointPositions(NamedTuple):
+    """Where the joints shall be a cycle later."""
+
+    q: Any  # [rad]
+    finished: bool = False  # the last one: the robot is idle again
+
+
+class JointVelocities(NamedTuple):
+    """How fast the joints shall be."""
+
+    dq: Any  # [rad/s]
+    finished: bool = False
+
+
+class CartesianPose(NamedTuple):
+    """Where the end effector shall be a cycle later."""
+
+    p: Any  # p_WE [m]
+    q: Any = TOOL_DOWN  # w x y z
+    elbow: Any = None  # position of joint 3 [rad] and sign of joint 4 (-1 or 1); None: as it comes
+    finished: bool = False
+
+
+class CartesianVelocities(NamedTuple):
+    """How fast the end effector shall be."""
+
+    v: Any  # [m/s]
+    omega: Any = (0.0, 0.0, 0.0)  # in W [rad/s]
+    elbow: Any = None
+    finished: bool = False
+
+
+Command = Union[JointPositions, JointVelocities, CartesianPose, CartesianVelocities]
+
+
 class _Process:
     """The part of a process of c3rt: its clock, its status, its share of requests."""
 
@@ -450,6 +485,74 @@ class Planner(_Process):
             place.q_WE = _quaternion(f"knots[{i}].q", knot.q)
             place.force_E_n = _vector(f"knots[{i}].force", knot.force, 3)
         return plan
+
+
+class Mover(_Process):
+    """A motion generator of one's own, in the place of impedance. Override move()."""
+
+    name = "impedance"
+    rate_hz = 1000.0
+
+    def move(self, time_s: float, now: Effector) -> Optional[Command]:
+        """Once a cycle of the robot. @return what the arm shall do until the next; None: nothing is sent, which the robot
+        extrapolates, and after 20 of them it stops"""
+        raise NotImplementedError("move(self, time_s, now) says what the arm shall do")
+
+    def _open(self) -> None:
+        self._states = self._input("robot/state", 64)
+        self._motions = self._output("robot/motion")
+        self._before: Any = None
+
+    def _in_realtime(self) -> None:
+        # each state of the robot is answered at once
+        while not self._stop.is_set():
+            if self._states.wait(SLICE_S):
+                self._cycle(time.monotonic_ns())
+
+    def _step(self, now_ns: int) -> bool:
+        came = self._states.take_effective(now_ns)
+        if not came:
+            return False
+        if self._text == "waiting for the robot's state":
+            self.say("moves the arm")
+        state, before = came[-1], self._before or came[-1]
+        self._before = state
+        since = (state.header.time_ns - before.header.time_ns) * 1e-9
+        p = np.array(state.p_WE_m)
+        v = (p - np.array(before.p_WE_m)) / since if since > 0.0 else np.zeros(3)
+        moves = state.mode in (types.RobotMode.ROBOT_MOVE, types.RobotMode.ROBOT_IDLE)
+        command = None
+        if not self._stopped:
+            command = self.move(state.header.time_ns * 1e-9,
+                                Effector(p, v, np.array(state.q_rad), np.array(state.dq_rad_per_s), moves))
+        if command is None:
+            return True
+        sample = self._sample(command)
+        sample.origin.state_ns = state.header.time_ns
+        self._motions.write(sample, now_ns if self._bus.lockstep else time.monotonic_ns())
+        return True
+
+    def _sample(self, command: Command) -> Any:
+        kinds = types.MotionKind
+        if isinstance(command, JointPositions):
+            sample = types.RobotMotion(kind=kinds.MOTION_JOINT_POSITION, q_rad=_vector("q", command.q, 7))
+        elif isinstance(command, JointVelocities):
+            sample = types.RobotMotion(kind=kinds.MOTION_JOINT_VELOCITY, dq_rad_per_s=_vector("dq", command.dq, 7))
+        elif isinstance(command, CartesianPose):
+            sample = types.RobotMotion(kind=kinds.MOTION_CARTESIAN_POSE, p_WE_m=_vector("p", command.p, 3),
+                                       q_WE=_quaternion("q", command.q))
+        elif isinstance(command, CartesianVelocities):
+            sample = types.RobotMotion(kind=kinds.MOTION_CARTESIAN_VELOCITY, v_WE_m_per_s=_vector("v", command.v, 3),
+                                       omega_WE_rad_per_s=_vector("omega", command.omega, 3))
+        else:
+            raise TypeError("move(): expected JointPositions, JointVelocities, CartesianPose or CartesianVelocities, "
+                            f"got {command!r}")
+        elbow = getattr(command, "elbow", None)
+        if elbow is not None:
+            sample.has_elbow = True
+            sample.elbow_q3_rad, sample.elbow_sign = _vector("elbow", elbow, 2)
+        sample.finished = bool(command.finished)
+        return sample
 
 
 class Estimator(_Process):

@@ -28,6 +28,7 @@ int play() {
     endpoints.back()->say(c3rt_v2_SERVICE_RUNNING, "here");
   }
   wire::Reader<wire::TaskTarget> targets(bus);
+  wire::Reader<wire::RobotOrder> orders(bus);
   wire::Writer<wire::RobotState> states(bus);
   while (true) {
     const std::int64_t now_ns = rt::now_ns();
@@ -47,6 +48,15 @@ int play() {
           ok ? request.kind + " " + request.parameters.at(0).name + " " +
                    std::to_string(request.parameters.at(0).values.size())
              : "refused: no circles",
+          now_ns);
+    }
+    endpoints.front()->replies().answer_refused(orders, now_ns);
+    wire::RobotOrder order{};
+    while (orders.take(order)) {
+      endpoints.front()->replies().answer(
+          order.request_id, order.kind != c3rt_v2_ORDER_THRESHOLDS,
+          wire::name_of(order.kind) + std::string(order.engaged ? " engaged " : " ") +
+              std::to_string(order.free_axes) + " " + std::to_string(order.force_W_n[1]),
           now_ns);
     }
     wire::RobotState state{};
@@ -100,6 +110,20 @@ TEST_CASE("client: by domain alone it reads, asks, and hears what the processes 
   fault.kind = c3rt_v2_FAULT_FREEZE_CAMERA;
   CHECK_THAT(thrown<Refused>([&] { client.fault(fault, kLong); }),
              Catch::StartsWith("planner: refused: "));
+  CHECK(client.guide(5, false, kLong).text == "guiding engaged 5 0.000000");
+  CHECK(client.release(kLong).text == "guiding 0 0.000000");
+  CHECK(client.user_stop(true, kLong).text == "user stop engaged 0 0.000000");
+  CHECK(client.push({0.0, 2.5, 0.0}, 0.1, kLong).process == c3rt_v2_PROCESS_PLANT);
+  CHECK(thrown<Refused>([&] { client.thresholds({}, {}, kLong); }) ==
+        "plant: refused: acceleration.collision_torque_nm[0] is 0, expected 0.1 to 1000");
+  c3rt_v2_ContactThresholds steady{}, fast{};
+  for (c3rt_v2_ContactThresholds* t : {&steady, &fast}) {
+    for (double& torque : t->collision_torque_nm) torque = 20.0;
+    for (double& force : t->collision_force_E_n) force = 20.0;
+    for (double& torque : t->collision_torque_E_nm) torque = 20.0;
+  }
+  CHECK(thrown<Refused>([&] { client.thresholds(steady, fast, kLong); }) ==
+        "plant: thresholds 0 0.000000");
   const Services services = client.status(0.5);
   REQUIRE(services[c3rt_v2_PROCESS_IMPEDANCE]);
   CHECK(std::string(services[c3rt_v2_PROCESS_IMPEDANCE]->text) == "here");
