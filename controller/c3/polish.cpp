@@ -32,8 +32,7 @@ Polish::Polish(const Sizes& sizes, int max_qps)
   plan_.s.setZero(sizes.n_lambda, sizes.N);
   plan_.u.setZero(n_u, sizes.N);
   plan_.force.assign(n_pairs_, 0);
-  best_ = first_ = plan_;
-  best_.force.assign(n_pairs_, 0);
+  best_ = first_ = candidate_ = plan_;
   contact_.assign(sizes.n_lambda, 0);
   u_before_ = u_first_ = plan_.u;
   z_.setZero(sizes.n_z(), sizes.N);
@@ -57,6 +56,8 @@ void Polish::set_costs(const Costs& costs, const Constraints& constraints) {
   active_.reserve(row_count());
   kept_.reserve(row_count());
   side_.assign(row_count(), Side::kNone);
+  sides_.reserve(2 * row_count());
+  for (VectorXd* v : {&s_, &y_, &ds_, &dy_, &complementarity_}) v->setZero(2 * row_count());
   for (VectorXd* v : {&weight_, &multiplier_, &inverse_hessian_, &value_}) v->setZero(row_count());
 }
 
@@ -77,6 +78,7 @@ void Polish::start(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
 }
 
 void Polish::improve(const Eigen::Ref<const MatrixXd>& u, const Deadline& deadline) noexcept {
+  if (report_.status == PolishStatus::kDeadline || report_.qps >= max_qps_) return;
   take_inputs(u);
   if (plan_.u == first_.u) {
     plan_ = first_;
@@ -84,11 +86,13 @@ void Polish::improve(const Eigen::Ref<const MatrixXd>& u, const Deadline& deadli
     judge(plan_);
   }
   report_.status = PolishStatus::kBest;
-  limit_ = max_qps_;
+  limit_ = report_.qps + (max_qps_ - report_.qps + 1) / 2;
   load(plan_, true);
-  descend(plan_, deadline);
-  finish(plan_);
-  if (!std::isfinite(report_.cost)) report_.status = PolishStatus::kNoPlan;
+  descend(plan_, Effort::kThorough, deadline);
+  if (report_.status == PolishStatus::kQpLimit && report_.qps < max_qps_)
+    report_.status = PolishStatus::kBest;  // the limit was this plan's
+  if (report_.status == PolishStatus::kBest && !std::isfinite(report_.cost))
+    report_.status = PolishStatus::kNoPlan;
 }
 
 /// Inputs, those with bounds within them: others are no plan.
@@ -103,21 +107,23 @@ void Polish::take_inputs(const Eigen::Ref<const MatrixXd>& u) noexcept {
   }
 }
 
-/// Judges the plan of a descent.
-void Polish::finish(Plan& plan) noexcept {
+/// Judges the plan with the present modes.
+void Polish::consider(const Plan& plan) noexcept {
+  if (!(plan.violation <= kMet) || !(plan.cost < report_.cost)) return;
+  candidate_ = plan;
   for (int k = 0; k < sizes_.N; ++k) {
     for (int j = 0; j < sizes_.n_lambda; ++j) {
-      plan.force[k * sizes_.n_lambda + j] = modes_[k].has_force(j) ? 1 : 0;
-      if (!modes_[k].has_force(j)) plan.s(j, k) = 0.0;
+      candidate_.force[k * sizes_.n_lambda + j] = modes_[k].has_force(j) ? 1 : 0;
+      if (!modes_[k].has_force(j)) candidate_.s(j, k) = 0.0;
     }
     // by the system itself, without the rounding of the modes' tables
-    auto next = plan.x.col(k + 1);
+    auto next = candidate_.x.col(k + 1);
     next = lcs_[k].d;
-    next.noalias() += lcs_[k].A * plan.x.col(k);
-    next.noalias() += lcs_[k].B * plan.u.col(k);
-    next.noalias() += lcs_[k].D * plan.s.col(k);
+    next.noalias() += lcs_[k].A * candidate_.x.col(k);
+    next.noalias() += lcs_[k].B * candidate_.u.col(k);
+    next.noalias() += lcs_[k].D * candidate_.s.col(k);
   }
-  if (plan.violation <= kMet && judge(plan)) keep_active();
+  if (judge(candidate_)) keep_active();
 }
 
 /// The plan of its inputs, each LCP solved by Lemke's method. False where one is not solved: from

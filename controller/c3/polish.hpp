@@ -35,12 +35,13 @@ struct PolishReport {
 
 /// Better plans of the whole problem (15), from plans that are known. The inputs of a known plan
 /// are simulated; that fixes which side of each pair is zero, and with these modes (15) is a QP
-/// over the inputs alone [FixedModes]. An active-set method goes to its minimiser, each step one
-/// Riccati recursion, so that time and memory grow linearly with N. Where a pair whose both sides
-/// are zero holds it back, the signs of the two sides' multipliers say whether to leave that point
-/// in this mode or, by one principal pivot, in the other. A descent ends where no single pair would
-/// bring more: at a local minimum. Then moves give all pairs of a contact other modes at once.
-/// Once the constraints are met the cost never rises. After `set_costs` nothing allocates.
+/// over the inputs alone [FixedModes]. An active-set method goes to its minimiser, or interior
+/// point iterations where that has no end, each step one Riccati recursion, so that time and memory
+/// grow linearly with N. Where a pair whose both sides are zero holds it back, the signs of the two
+/// sides' multipliers say whether to leave that point in this mode or, by one principal pivot, in
+/// the other. A descent ends where no single pair would bring more: at a local minimum. Then moves
+/// give all pairs of a contact other modes at once. Once the constraints are met the cost never
+/// rises. After `set_costs` nothing allocates.
 class Polish {
  public:
   /// @param max_qps  of all plans together
@@ -56,7 +57,8 @@ class Polish {
              const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
              const Eigen::Ref<const Eigen::MatrixXd>& u,
              const Eigen::Ref<const Eigen::MatrixXd>& lambda) noexcept;
-  /// Goes down from a plan with these inputs (n_u × N). RT: no heap, no lock, no throw.
+  /// Goes down from a plan with these inputs (n_u × N), with half of the QPs that are left. RT: no
+  /// heap, no lock, no throw.
   void improve(const Eigen::Ref<const Eigen::MatrixXd>& u, const Deadline& deadline) noexcept;
   /// Spends the QPs that are left on moves: a contact's pairs get other modes over a range of
   /// stages of the best plan, and from there it goes down. The moves are drawn by the bits of x_0.
@@ -98,7 +100,7 @@ class Polish {
   void take_inputs(const Eigen::Ref<const Eigen::MatrixXd>& u) noexcept;
   bool simulate(Plan& plan) noexcept;
   bool judge(const Plan& plan) noexcept;
-  void finish(Plan& plan) noexcept;
+  void consider(const Plan& plan) noexcept;
   void keep_active() noexcept;
   void find_contacts() noexcept;
   bool draw_move() noexcept;
@@ -112,10 +114,20 @@ class Polish {
   void take_modes(int k) noexcept;
   void roll(Plan& plan) noexcept;
   void measure(Plan& plan) noexcept;
-  void descend(Plan& plan, const Deadline& deadline) noexcept;
+  enum class Effort : char {
+    kQuick,
+    kThorough
+  };  // where whole steps have no end: gives up; goes on
+  void descend(Plan& plan, Effort effort, const Deadline& deadline) noexcept;
+  bool converge(Plan& plan, const Deadline& deadline) noexcept;
+  void start_sides(const Plan& plan) noexcept;
+  double distance(int side) const noexcept;
+  bool interior_step(Plan& plan) noexcept;
+  void newton_step(double centre, bool corrected) noexcept;
+  double longest_step(double share) const noexcept;
+  bool hold_equalities() noexcept;
+  void hold_touched(const Plan& plan) noexcept;
   void go_on(Plan& plan, const Deadline& deadline) noexcept;
-  void guess_active() noexcept;
-  bool drop_wrong_guesses() noexcept;
   bool solve() noexcept;
   bool move(Plan& plan, double alpha) noexcept;
   void add(int row, Side side, double inverse_hessian) noexcept;
@@ -146,7 +158,7 @@ class Polish {
   Eigen::MatrixXd x_desired_;
   lcs::Lemke lemke_;
   PolishReport report_;
-  Plan plan_, first_, best_;                            // first_: of Algorithm 1's inputs
+  Plan plan_, first_, candidate_, best_;                // first_: of Algorithm 1's inputs
   Eigen::MatrixXd projected_, z_, u_before_, u_first_;  // (n_z × N), (n_u × N)
   std::vector<int> contact_;  // of each pair of a stage: the first pair of its contact
   std::uint64_t random_ = 0;
@@ -173,6 +185,15 @@ class Polish {
     double weight, multiplier, inverse_hessian;
   };
   std::vector<Kept> kept_;  // of the best plan
+  /// Of interior point iterations: one finite side of a row that is no equality,
+  /// sign (value − bound) = s ≥ 0 with the multiplier y ≥ 0.
+  struct Inequality {
+    int row;
+    double sign, bound;
+    double terms;  // what the value is added up from, by size
+  };
+  std::vector<Inequality> sides_;
+  Eigen::VectorXd s_, y_, ds_, dy_, complementarity_;  // per side
   std::vector<Side> side_;
   // per row: of the penalty that holds it, multiplier, aᵀ H⁻¹ a, aᵀ [x; u] + offset
   Eigen::VectorXd weight_, multiplier_, inverse_hessian_, value_;

@@ -26,20 +26,15 @@ bool Polish::is_over(const Deadline& deadline) noexcept {
 }
 
 /// From a plan that is loaded.
-void Polish::descend(Plan& plan, const Deadline& deadline) noexcept {
+void Polish::descend(Plan& plan, Effort effort, const Deadline& deadline) noexcept {
   u_first_ = plan.u;
-  if (leap(plan, deadline)) {
-    if (is_over(deadline) || !solve()) return;
-  } else {
-    if (report_.status != PolishStatus::kBest) return;
+  if (!leap(plan, deadline)) {
+    if (effort == Effort::kQuick || report_.status != PolishStatus::kBest) return;
     plan.u = u_first_;
-    drop_all();
-    roll(plan);
-    if (is_over(deadline) || !solve()) return;
-    guess_active();
-    if (!active_.empty() && (is_over(deadline) || !solve())) return;
-    if (drop_wrong_guesses() && (is_over(deadline) || !solve())) return;
+    if (!converge(plan, deadline) || !leap(plan, deadline)) return;
   }
+  consider(plan);
+  if (is_over(deadline) || !solve()) return;
   go_on(plan, deadline);
 }
 
@@ -84,43 +79,6 @@ bool Polish::hold_violated() noexcept {
   return any;
 }
 
-/// Holds what is not met, and what is at its bound.
-void Polish::guess_active() noexcept {
-  for (int row = 0; row < row_count(); ++row) {
-    Side side = Side::kNone;
-    if (is_pair(row)) {
-      const int k = row / sizes_.n_lambda;
-      if (value_[row] < 0.0 && value_[row] < -slack(k, row % sizes_.n_lambda)) side = Side::kLower;
-    } else {
-      const qp::QpRows::Row& constraint = constraints_[row - n_pairs_];
-      const double value = value_[row], slack = kAtBound * (kOfValue + std::abs(value));
-      if (value >= constraint.upper - slack) side = Side::kUpper;
-      if (value <= constraint.lower + slack) side = Side::kLower;
-    }
-    if (side == Side::kNone) continue;
-    const double along = inverse_hessian(row);
-    if (along > 0.0) add(row, side, along);
-  }
-}
-
-/// Of rows that were at their bounds from the start those that want to leave.
-bool Polish::drop_wrong_guesses() noexcept {
-  bool any = false;
-  for (std::size_t i = 0; i < active_.size();) {
-    const int row = active_[i];
-    const bool outside =
-        is_pair(row) || std::abs(constraints_.outside(row - n_pairs_, value_[row])) >
-                            kAtBound * (kOfValue + std::abs(value_[row]));
-    if (outside || is_equality(row) || inwards(row) >= 0.0) {
-      ++i;
-      continue;
-    }
-    drop(row);
-    any = true;
-  }
-  return any;
-}
-
 /// From a minimiser of the QP by steps, each to the first row in the way.
 void Polish::go_on(Plan& plan, const Deadline& deadline) noexcept {
   int corrections = 0;
@@ -128,6 +86,7 @@ void Polish::go_on(Plan& plan, const Deadline& deadline) noexcept {
     const double decrease = -0.5 * (gradient_.cwiseProduct(step_).sum() + gradient_N_.dot(step_N_));
     const Block block = first_block();
     if (block.alpha > 0.0 && !move(plan, block.alpha)) break;
+    consider(plan);
     if (block.row >= 0) {
       double along = inverse_hessian(block.row);
       // the step itself shows how little holds the row where it is

@@ -9,7 +9,7 @@ namespace {
 using Eigen::MatrixXd;
 
 constexpr int kMaxMoves = 50;  // of a call
-constexpr int kMoveQps = 8;    // of a move: one that helps has mostly done so by then
+constexpr int kMoveQps = 20;   // of a move
 
 }  // namespace
 
@@ -28,8 +28,7 @@ void Polish::explore(const Deadline& deadline) noexcept {
     limit_ = std::min(max_qps_, report_.qps + kMoveQps);
     load(plan_, false);
     hold_kept();
-    descend(plan_, deadline);
-    finish(plan_);
+    descend(plan_, Effort::kQuick, deadline);
     if (report_.status == PolishStatus::kDeadline) break;
     report_.status = PolishStatus::kBest;  // the limit was the move's
   }
@@ -58,8 +57,9 @@ int Polish::draw(int below) noexcept {
 }
 
 /// The best plan with other modes: those of a contact are drawn for a range of stages. Half of the
-/// ranges begin at stage 0, whose input is the next to be applied, a quarter at stage 1, …, and
-/// each goes on to one stage more three times out of four. False where the modes are as before.
+/// ranges begin at stage 0, whose input is the next to be applied, a quarter at stage 1, …; half go
+/// on to the last stage, as where a contact is left for good, the others to one stage more three
+/// times out of four. False where the modes are as before.
 bool Polish::draw_move() noexcept {
   const int n_lambda = sizes_.n_lambda;
   move_.contact = contact_[draw(n_lambda)];
@@ -67,6 +67,7 @@ bool Polish::draw_move() noexcept {
   while (move_.first + 1 < sizes_.N && draw(2) == 0) ++move_.first;
   move_.last = move_.first;
   while (move_.last + 1 < sizes_.N && draw(4) != 0) ++move_.last;
+  if (draw(2) == 0) move_.last = sizes_.N - 1;
   plan_ = best_;
   bool any = false;
   for (int j = 0; j < n_lambda; ++j) {

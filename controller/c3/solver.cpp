@@ -223,9 +223,10 @@ void Solver::polish(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   const int n_x = sizes_.n_x, n_lambda = sizes_.n_lambda, n_u = sizes_.n_u, N = sizes_.N;
   const auto inputs = z_.bottomRows(n_u);
   polish_->start(lcs, x0, x_desired, inputs, solution_.delta.middleRows(n_x, n_lambda));
-  // what is left of the last plan is mostly the nearest to the optimum
-  if (start != nullptr && start->u.size() != 0) polish_->improve(start->u, deadline);
   polish_->improve(inputs, deadline);
+  // each of them meets its stage's pairs, which Algorithm 1's need not
+  polish_->improve(solution_.delta.middleRows(n_x + n_lambda, n_u), deadline);
+  if (start != nullptr && start->u.size() != 0) polish_->improve(start->u, deadline);
   polish_->explore(deadline);
   solution_.polish = polish_->report();
   if (!std::isfinite(solution_.polish.cost)) return;

@@ -47,7 +47,9 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     start_.delta.topRows(sizes_.n_x).colwise() = x;
   }
   const bool started = has_start_ && policy_ != StartPolicy::kFresh;
-  if (has_plan_) {
+  // of a plan less than half of which is left polish makes little of worth
+  const bool is_known = has_plan_ && 2 * stages_per_period_ <= sizes_.N;
+  if (is_known) {
     known_.u.resizeLike(u_);
     for (int k = 0; k < sizes_.N; ++k)
       known_.u.col(k) = u_.col(std::min(k + stages_per_period_, sizes_.N - 1));
@@ -56,7 +58,7 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     start_.u.resize(0, 0);
   }
   const c3::Start* start = started ? &start_ : nullptr;
-  if (start == nullptr && has_plan_) start = &known_;
+  if (start == nullptr && is_known) start = &known_;
   solution_ = &solver_.solve(lcs, x, x_desired_, {}, start);
   if (solution_->status == c3::SolveStatus::kFailed) {
     has_start_ = has_plan_ = false;
