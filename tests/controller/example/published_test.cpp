@@ -110,8 +110,7 @@ TEST_CASE("finger gaiting: polish meets the limits wherever a plan with C3's mod
   const Experiment without = table1_own(0), with = table1_own(100);
   const Trajectory loop = run(without);
   const c3::Sizes sizes = example::sizes(without);
-  int plans = 0;
-  double of_modes = 0.0, of_polish = 0.0;
+  int plans = 0, as_good = 0;
   for (int i = 0; i < 20; ++i) {
     const Eigen::VectorXd x = loop.x.col(100 * i);
     const lcs::Lcs lcs = example::planning_system(without, x);
@@ -133,9 +132,9 @@ TEST_CASE("finger gaiting: polish meets the limits wherever a plan with C3's mod
     ++plans;
     CAPTURE(i);
     CHECK(std::isfinite(polished.solution().polish.cost));
-    of_modes += best->objective;
-    of_polish += polished.solution().polish.cost;
+    as_good += polished.solution().polish.cost <= 1.0001 * best->objective ? 1 : 0;
   }
   CHECK(plans >= 10);
-  CHECK(of_polish <= of_modes);
+  // it may end in another valley
+  CHECK(4 * as_good >= 3 * plans);
 }
