@@ -197,6 +197,13 @@ void fill_debug(PlannerDebug& out, const PlannedStep& plan) noexcept {
   fill(out.primal_residual, plan.primal_residual.head(std::min<Eigen::Index>(
                                 plan.primal_residual.size(), out.admm_iterations)));
   out.complementarity_violation = plan.complementarity_violation;
+  out.candidate_count = 0;
+  for (const auto& place : plan.weighed) {
+    if (!place.known || out.candidate_count == c3rt_v2_MAX_CANDIDATES) continue;
+    c3rt_v2_Candidate& candidate = out.candidates[out.candidate_count++];
+    fill(candidate.p_WE_m, place.p_WE);
+    candidate.cost = place.cost;
+  }
 }
 
 /// Everything that an impedance controller follows of a plan.

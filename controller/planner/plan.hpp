@@ -1,5 +1,8 @@
 #pragma once
 // What the planner answers in one period.
+#include <optional>
+#include <vector>
+
 #include <Eigen/Geometry>
 
 #include "controller/planner/activity.hpp"
@@ -7,6 +10,14 @@
 namespace c3rt::planner {
 
 enum class PlanStatus { kOk, kTruncated, kFallback };
+
+/// A place of the end effector that a strategy weighed in this period.
+struct WeighedPlace {
+  Eigen::Vector3d p_WE;  // [m]
+  int body;              // beside which it is
+  bool known;            // false: the plan from there has no answer, or leads out of reach
+  double cost, still;    // of the objects where the plan from there is tried, and where nothing is
+};
 
 struct Plan {
   PlanStatus status;
@@ -27,6 +38,10 @@ struct Plan {
   int admm_iterations;
   Eigen::VectorXd primal_residual;  // (admm_iterations)
   double complementarity_violation;
+  // of a strategy that compares places: those of this period, and where the end effector is to push
+  // from
+  std::vector<WeighedPlace> weighed;
+  std::optional<Eigen::Vector3d> place;  // [m]
 };
 
 }  // namespace c3rt::planner

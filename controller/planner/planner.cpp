@@ -47,6 +47,8 @@ const Plan& Planner::step(const Input& input, c3::Deadline deadline) noexcept {
     plan_.status = PlanStatus::kFallback;
     plan_.mode = known ? Mode::kHold : Mode::kWait;
     plan_.phase = name(plan_.mode, "");
+    plan_.weighed.clear();
+    plan_.place.reset();
   }
   return plan_;
 }
@@ -67,6 +69,8 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   plan_.phase = name(decision.mode, decision.phase);
   plan_.body = decision.body;
   plan_.body_target = decision.body_target;
+  plan_.weighed = decision.weighed;
+  plan_.place = decision.place;
   if (decision.mode == Mode::kWait) {
     hold(situation.available.state() ? input.effector.p_WE : Eigen::Vector3d::Zero());
     plan_.status = PlanStatus::kFallback;

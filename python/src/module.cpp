@@ -27,5 +27,6 @@ NB_MODULE(_core, module) {
   c3rt::python::bind_models(module);
   c3rt::python::bind_recording(module);
   c3rt::python::bind_emulator(module);
+  c3rt::python::bind_planner(module);
   c3rt::python::bind_wire_check(module);
 }

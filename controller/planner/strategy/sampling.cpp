@@ -116,6 +116,7 @@ class Sampling final : public Strategy {
     State& s = state_;
     s.task.take(input.target);
     const Stage before = s.stage;
+    decision_.weighed.clear();
     if (ready(now)) {
       look(now.scene);
       want(now.scene);
@@ -134,6 +135,8 @@ class Sampling final : public Strategy {
       s.way.begin(input.effector.p_WE,
                   now.interrupted ? Eigen::Vector3d::Zero() : input.effector.v_WE);
     decision_.plans_with_c3 = s.stage == Stage::kPush;
+    decision_.place.reset();
+    if (s.stage == Stage::kMove || s.stage == Stage::kPush) decision_.place = s.target;
     switch (s.stage) {
       case Stage::kWait:
         decision_.mode = Mode::kWait;
@@ -451,6 +454,10 @@ class Sampling final : public Strategy {
     if (other == &now.input->effector.p_WE) s.here = tried_[0].worth;
     if (other == &s.target) s.there = tried_[0].worth;
     for (std::size_t i = first; i < tried_.size(); ++i) s.places.add(tried_[i]);
+    for (const Place& place : tried_) {
+      const Worth& worth = place.worth;
+      decision_.weighed.push_back({place.p_WE, place.body, worth.known, worth.cost, worth.still});
+    }
   }
 
   /// What is drawn is worth, each in a room of its own: the same whatever thread does it.

@@ -1,6 +1,7 @@
 #pragma once
 // What a strategy is asked in each period, and what it decides: whether C3 plans or the end
 // effector moves on its own, and what is wanted of either.
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -9,6 +10,7 @@
 #include "controller/planner/availability.hpp"
 #include "controller/planner/c3_controller.hpp"
 #include "controller/planner/input.hpp"
+#include "controller/planner/plan.hpp"
 
 namespace c3rt::planner {
 
@@ -31,6 +33,10 @@ struct Decision {
   int body = 0;                // that is worked on
   bool body_lost = false;      // C3 had to leave its work, as a body was lost
   Eigen::Vector3d body_target = Eigen::Vector3d::Zero();  // where it should be, in W [m]
+  // of one that compares places: those of this period, and that to which the end effector goes or
+  // from which it pushes
+  std::vector<WeighedPlace> weighed;
+  std::optional<Eigen::Vector3d> place;  // [m]
 
   bool plans_with_c3 = false;
   // where C3 does not plan: the end effector's reference, and a force on top [N]
