@@ -85,6 +85,5 @@ void fig14(const Context& context);
 void fig16(const Context& context);
 void fig17(const Context& context);
 void fig18(const Context& context);
-void push_anything(const Context& context);
 
 }  // namespace c3rt::cli::reproduce

@@ -1,11 +1,14 @@
 #include "cli/reproduce/reproduce.hpp"
 
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
+#include "cli/evaluation.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
+#include "cli/program.hpp"
 #include "cli/reproduce/context.hpp"
 
 namespace c3rt::cli::reproduce {
@@ -21,20 +24,33 @@ const std::map<std::string, void (*)(const Context&)> kTargets{{"comparison", co
                                                                {"fig5", fig5},
                                                                {"fig7", fig7},
                                                                {"fig8", fig8},
-                                                               {"push_anything", push_anything},
                                                                {"table1", table1},
                                                                {"table2", table2},
                                                                {"table3", table3}};
 
+/// Those that are made in the Python package: of runs alone.
+const std::set<std::string> kInPython{"push_anything"};
+
+[[noreturn]] void become_evaluation(const Settings& settings) {
+  const ordered_json order{{"program", (binary_directory() / "c3rt").string()},
+                           {"what", settings.what},
+                           {"out", settings.out},
+                           {"quick", settings.quick},
+                           {"fresh", settings.fresh},
+                           {"seeds", settings.seeds}};
+  become_program(evaluation_words("c3rt reproduce", {}, "reproduce", order));
+}
+
 }  // namespace
 
 std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto& [name, target] : kTargets) all.push_back(name);
-  return all;
+  std::set<std::string> all = kInPython;
+  for (const auto& [name, target] : kTargets) all.insert(name);
+  return {all.begin(), all.end()};
 }
 
 int reproduce(const Settings& settings, const Stop& stop) {
+  if (kInPython.count(settings.what) != 0) become_evaluation(settings);
   const auto target = kTargets.find(settings.what);
   if (target == kTargets.end()) {
     std::string known;

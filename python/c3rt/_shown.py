@@ -1,4 +1,4 @@
-"""What the programs that a command of c3rt becomes have in common: c3rt.view, c3rt.ros."""
+"""What the programs that a command of c3rt becomes have in common: c3rt.view, c3rt.ros, c3rt.evaluation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Groups of runs for `c3rt reproduce`: each one scenario with one seed or several."""
+"""Groups of runs, each one scenario with one seed or several; those that `c3rt reproduce` asks for."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ from .runs import EngineSettings, RunResult, RunSpec, replay_command, run_all, r
 from .seeds import parse_seeds
 from .status import CRITERION_FAILED, DONE, PROCESS_FAILED, complain, say
 from .summary import summarise, to_json
+
+
+class Interrupted(Exception):
+    """A person wants this to end."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,30 @@ class Group:
             yield RunSpec(name, self.scenario, seed, self.overrides, self.duration, self.logs, in_process=self.in_process)
 
 
+def make_groups(groups: Sequence[Group], settings: EngineSettings, folder: pathlib.Path, title: str,
+                stop: Stop) -> List[List[RunResult]]:
+    """The runs of each group, each with its own folder below the one given; those of an earlier call are kept.
+
+    title: on the line that tells how far it is. Interrupted where a stop was wanted, RuntimeError where a run has no report.
+    """
+    specs = [list(group.specs()) for group in groups]
+    flat = [spec for several in specs for spec in several]
+    results = run_all(flat, run_settings(settings, stop), make_folder(folder), title)
+    if len(results) < len(flat):
+        raise Interrupted
+    for result in results:
+        if result.kept:
+            say(f"{result.spec.name}: kept from an earlier run ({result.folder})")
+        if result.report is None:
+            raise RuntimeError(result.failure)
+    rest = iter(results)
+    return [[next(rest) for _ in several] for several in specs]
+
+
 @dataclass(frozen=True)
 class Settings(EngineSettings):
-    folder: str = ""  # each run has its own below it
-    title: str = ""  # on the line that tells how far it is
+    folder: str = ""
+    title: str = ""
     groups: List[Dict[str, Any]] = field(default_factory=list)  # of Group
     answer: str = ""  # file of the results
 
@@ -44,20 +68,15 @@ def run(settings: Settings, stop: Stop) -> int:
 
     Returns DONE, CRITERION_FAILED where it was interrupted, PROCESS_FAILED where a run has no report, which has been said.
     """
-    groups = [list(Group(**group).specs()) for group in settings.groups]
-    specs = [spec for group in groups for spec in group]
-    results = run_all(specs, run_settings(settings, stop), make_folder(pathlib.Path(settings.folder)), settings.title)
-    if len(results) < len(specs):
+    groups = [Group(**group) for group in settings.groups]
+    try:
+        results = make_groups(groups, settings, pathlib.Path(settings.folder), settings.title, stop)
+    except Interrupted:
         return CRITERION_FAILED
-    for result in results:
-        if result.kept:
-            say(f"{result.spec.name}: kept from an earlier run ({result.folder})")
-        if result.report is None:
-            complain(result.failure)
-            return PROCESS_FAILED
-    rest = iter(results)
-    told = [_json([next(rest) for _ in group]) for group in groups]
-    write_text(pathlib.Path(settings.answer), json.dumps(told, ensure_ascii=False))
+    except RuntimeError as error:
+        complain(error)
+        return PROCESS_FAILED
+    write_text(pathlib.Path(settings.answer), json.dumps([_json(of_group) for of_group in results], ensure_ascii=False))
     return DONE
 
 

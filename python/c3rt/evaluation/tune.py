@@ -10,6 +10,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from .engine import Stop
 from .files import make_folder, write_text
+from .groups import Interrupted
 from .optimiser import Optimiser, usual_population
 from .runs import EngineSettings, RunResult, RunSpec, run_all, run_settings
 from .scenario import read_scenario
@@ -53,10 +54,6 @@ class Candidate:
 
     unit: List[float]
     score: Score
-
-
-class Interrupted(Exception):
-    """A person wants this to end."""
 
 
 def run(settings: Settings, stop: Stop) -> int:
