@@ -186,14 +186,14 @@ TEST_CASE("cpp client: beside a service in lockstep it reads, asks, and is refus
     CHECK_THROWS_WITH(robot.thresholds(soft, soft, patience),
                       "plant: refused: expected a robot that nothing moves (c3rt stop), got one "
                       "that follows commands");
-    const std::string words = "robot thresholds --collision-torque 40 --collision-force 30";
-    CHECK(c3rt_command(words, folder).status == 1);
+    const std::string soften = "robot thresholds --collision-torque 40 --collision-force 30";
+    CHECK(c3rt_command(soften, folder).status == 1);
     CHECK(robot.user_stop(true, patience).ok);
     CHECK_THROWS_AS(robot.recover(patience), client::Refused);
     CHECK_THROWS_AS(robot.guide(63, true, patience), client::Refused);
     CHECK(robot.user_stop(false, patience).ok);
     CHECK(robot.thresholds(soft, soft, patience).text == "thresholds set");
-    const support::Outcome set = c3rt_command(words, folder);
+    const support::Outcome set = c3rt_command(soften, folder);
     INFO(set.output);
     CHECK(set.status == 0);
     CHECK_THAT(set.output, Catch::Contains("plant: thresholds set"));
