@@ -92,22 +92,23 @@ def _end(future: Any, index: int, jobs: Sequence[Job]) -> JobEnd:
 @contextlib.contextmanager
 def _words_to(file: pathlib.Path) -> Iterator[None]:
     """What Dask and its workers say goes to a file; the terminal keeps the line that tells how far the runs are."""
-    screen = os.dup(STDERR)
-    with file.open("w", encoding="utf-8") as log, open(screen, "w", encoding="utf-8", closefd=False) as terminal:
+    with file.open("w", encoding="utf-8") as log, open(os.dup(STDERR), "w", encoding="utf-8") as terminal:
         os.dup2(log.fileno(), STDERR)
         try:
             with contextlib.redirect_stderr(terminal):
                 yield
         finally:
-            os.dup2(screen, STDERR)
-            os.close(screen)
+            os.dup2(terminal.fileno(), STDERR)
 
 
 @contextlib.contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Processes that are started meanwhile do not hear Ctrl-C: they are ended in order."""
-    heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Threads that begin meanwhile, and the processes that they start, do not hear Ctrl-C: they are ended in order.
+
+    Blocked, not ignored: what comes meanwhile is heard afterwards.
+    """
+    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, heard)
+        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
