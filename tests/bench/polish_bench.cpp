@@ -1,7 +1,8 @@
 // How far plans are above the proven optimum of (15), with and without polish: the cost of the
 // planning LCS, simulated with the plan's inputs, at closed-loop states of an example, and what is
 // left where the first input alone is taken and the rest is optimal. Run:
-// c3rt_bench_polish gaiting|ball|pivoting|all [QPs] [1: first inputs] [1: each state] [states]
+// c3rt_bench_polish gaiting|gaiting_own|ball|pivoting|pivoting_own|all [QPs] [1: first inputs] [1:
+// each state] [states]
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -53,12 +54,14 @@ struct Case {
   const example::Experiment* experiment = nullptr;
 };
 
-Case example_case(const std::string& scenario, int count) {
+Case example_case(const std::string& name, const std::string& scenario,
+                  const std::vector<std::string>& overrides, int count) {
   static std::vector<std::unique_ptr<example::Experiment>> kept;
-  kept.push_back(std::make_unique<example::Experiment>(example::load_experiment(
-      config::Document::load(C3RT_SOURCE_DIRECTORY "/config/scenarios/" + scenario + ".yaml"))));
+  kept.push_back(
+      std::make_unique<example::Experiment>(example::load_experiment(config::Document::load(
+          C3RT_SOURCE_DIRECTORY "/config/scenarios/" + scenario + ".yaml", overrides))));
   const example::Experiment& experiment = *kept.back();
-  Case c{scenario,
+  Case c{name,
          example::sizes(experiment),
          experiment.c3,
          experiment.costs,
@@ -190,7 +193,7 @@ void run(Case c, int qps, bool first_input, bool verbose) {
   polished_solver.set_costs(c.costs, c.constraints);
   std::vector<double> above, above_polished, first, first_polished, t_solve, t_polish, n_qps;
   c3::Start start, polished_start;
-  const bool use_last = std::getenv("NOLAST") == nullptr;
+  const bool use_last = 2 * c.stages_per_period <= c.sizes.N;  // as example::C3Controller
   const int n_u_at = c.sizes.n_x + c.sizes.n_lambda;
   for (int i = 0; i < static_cast<int>(c.x0.size()); ++i) {
     double began = thread_seconds();
@@ -274,10 +277,18 @@ int main(int argc, char** argv) {
   const bool first = argc > 3 && std::atoi(argv[3]) != 0;
   const bool verbose = argc > 4 && std::atoi(argv[4]) != 0;
   const int count = argc > 5 ? std::atoi(argv[5]) : 40;
-  if (which == "all" || which == "gaiting")
-    run(example_case("finger_gaiting", count), qps, first, verbose);
-  if (which == "all" || which == "ball") run(ball_case(count), qps, first, verbose);
-  if (which == "all" || which == "pivoting")
-    run(example_case("pivoting", count), qps, first, verbose);
+  // settings of our own: those of Tables I and II in docs/experiments
+  const std::vector<std::string> gaiting_own{"c3.admm_iterations=20", "c3.rho_scale=1.05"};
+  const std::vector<std::string> pivoting_own{"c3.rho=0.01"};
+  const auto is_asked = [&](const char* name) { return which == "all" || which == name; };
+  if (is_asked("gaiting"))
+    run(example_case("gaiting", "finger_gaiting", {}, count), qps, first, verbose);
+  if (is_asked("gaiting_own"))
+    run(example_case("gaiting_own", "finger_gaiting", gaiting_own, count), qps, first, verbose);
+  if (is_asked("ball")) run(ball_case(count), qps, first, verbose);
+  if (is_asked("pivoting"))
+    run(example_case("pivoting", "pivoting", {}, count), qps, first, verbose);
+  if (is_asked("pivoting_own"))
+    run(example_case("pivoting_own", "pivoting", pivoting_own, count), qps, first, verbose);
   return 0;
 }
