@@ -12,6 +12,7 @@
 #include "cli/matrix_json.hpp"
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
+#include "config/scenario.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -76,25 +77,40 @@ std::string write_scene(const ordered_json& scene) {
 
 }  // namespace
 
-config::Scenario shown_scenario(const Seat& seat, const ShownScenario& shown) {
-  if (!shown.scenario.empty())
-    return config::load_scenario(scenario_path(shown.scenario).string(), shown.overrides);
-  const auto instance = holder(runtime_directory(), seat.domain);
-  if (!instance || instance->file.empty()) {
-    throw UsageError(fmt::format(
-        "no instance of yours on domain {} tells its scenario: name it, as that of another host, "
-        "--scenario circle_slow",
-        seat.domain));
+ordered_json shown_scene(const Seat& seat, const ShownScenario& shown) {
+  std::string file;
+  std::vector<std::string> overrides = shown.overrides;
+  std::uint64_t seed = 1;
+  if (!shown.scenario.empty()) {
+    file = scenario_path(shown.scenario).string();
+  } else {
+    const auto instance = holder(runtime_directory(), seat.domain);
+    if (!instance || instance->file.empty()) {
+      throw UsageError(fmt::format(
+          "no instance of yours on domain {} tells its scenario: name it, as that of another "
+          "host, --scenario circle_slow",
+          seat.domain));
+    }
+    file = instance->file;
+    overrides = instance->overrides;
+    seed = instance->seed;
   }
-  return config::load_scenario(instance->file, instance->overrides);
-}
-
-ordered_json shown_scene(const config::Scenario& scenario) {
-  ordered_json objects = ordered_json::array();
+  const config::Scenario scenario = config::load_scenario(file, overrides);
+  ordered_json objects = ordered_json::array(), cameras = ordered_json::array();
   for (const plant::ObjectParameters& object : scenario.plant.world.objects)
     objects.push_back({{"name", object.object.name}, {"shape", json_of(object.object.shape())}});
+  if (scenario.vision.source == vision::SourceKind::kCameras) {
+    for (const vision::CameraParameters& camera : scenario.vision.cameras) {
+      cameras.push_back(
+          {{"name", camera.name}, {"width_px", camera.width}, {"height_px", camera.height}});
+    }
+  }
   return {{"scenario", scenario.name},
+          {"file", file},
+          {"overrides", overrides},
+          {"seed", seed},
           {"objects", objects},
+          {"cameras", cameras},
           {"tip_radius_m", scenario.plant.world.end_effector.sphere_radius},
           {"table_height_m", scenario.plant.world.table_height},
           {"urdf", scenario.impedance.arm.urdf_path}};

@@ -6,7 +6,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "cli/client.hpp"
-#include "config/scenario.hpp"
 
 namespace c3rt::cli {
 
@@ -16,11 +15,10 @@ struct ShownScenario {
   std::vector<std::string> overrides;
 };
 
+/// What such a program draws and no topic tells: the objects' shapes, tip, table and arm, the
+/// cameras, and of what they are made: the scenario's file, what overrides it, the seed.
 /// @throws UsageError where none is named and none runs, config::ConfigError
-config::Scenario shown_scenario(const Seat& seat, const ShownScenario& shown);
-
-/// What such a program draws and no topic tells: the objects' shapes, tip, table and arm.
-nlohmann::ordered_json shown_scene(const config::Scenario& scenario);
+nlohmann::ordered_json shown_scene(const Seat& seat, const ShownScenario& shown);
 
 /// Becomes `python -m MODULE SCENE.json --domain D --profile P ARGUMENTS`; it ends with Ctrl-C.
 /// @param extra of the package's extras the one that brings what it needs: "view"

@@ -33,8 +33,7 @@ int ros(const Seat& seat, const RosSettings& settings) {
         "c3rt up circle_slow --domain 42, and name it here with --domain",
         seat.domain));
   }
-  become_python(seat, "c3rt.ros", "dds", {"cyclonedds"},
-                shown_scene(shown_scenario(seat, settings.shown)),
+  become_python(seat, "c3rt.ros", "dds", {"cyclonedds"}, shown_scene(seat, settings.shown),
                 {"--ros-domain", std::to_string(domain), "--frame", settings.frame, "--rate",
                  fmt::format("{}", settings.rate_hz)});
 }

@@ -6,7 +6,7 @@ namespace c3rt::cli {
 
 int view(const Seat& seat, const ViewSettings& settings) {
   become_python(seat, "c3rt.view", "view", {"viser", "cyclonedds"},
-                shown_scene(shown_scenario(seat, settings.shown)),
+                shown_scene(seat, settings.shown),
                 {"--host", settings.host, "--port", std::to_string(settings.port)});
 }
 

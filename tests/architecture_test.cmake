@@ -76,6 +76,7 @@ files_may("^(controller/planner|controller/impedance|vision|plant_emulator)/(ser
 files_may("^vision/scene_source[.]" idl controller/scene)
 # all nodes in one process
 files_may("^python/src/(recording|wire_check)[.]" idl)
+files_may("^python/src/cameras[.]" plant_emulator vision)
 files_may("^python/src/planner[.]" controller/planner controller/task)
 files_may("^python/src/emulator[.]" controller/base controller/task controller/impedance idl plant_emulator)
 files_may("^cli/python_program[.]" controller/scene)

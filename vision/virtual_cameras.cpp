@@ -10,6 +10,7 @@
 #include <string>
 
 #include <GL/osmesa.h>
+#include <dlfcn.h>
 #include <opencv2/core.hpp>
 
 #include "controller/base/random.hpp"
@@ -26,6 +27,15 @@ constexpr std::uint64_t kCalibrationStream = 0xD1342543DE82EF95;
 struct OsMesaDeleter {
   void operator()(osmesa_context* context) const noexcept { OSMesaDestroyContext(context); }
 };
+
+/// MuJoCo looks for OSMesa among the symbols that the whole program sees. A library that was loaded
+/// for a part of it alone, as Python loads its extensions, has none there, and MuJoCo would end the
+/// program.
+void show_osmesa_to_mujoco() {
+  Dl_info library{};
+  if (dladdr(reinterpret_cast<void*>(&OSMesaGetProcAddress), &library) != 0)
+    dlopen(library.dli_fname, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
+}
 
 /// A geom's hull: all points within `radius` of the straight line from -half_axis to half_axis.
 struct Hull {
@@ -135,6 +145,7 @@ struct VirtualCameras::Implementation {
   Implementation(const plant::World& world, const Parameters& parameters, std::uint64_t seed)
       : pixel_noise(parameters.pixel_noise), random(seed) {
     setenv("LP_NUM_THREADS", "0", 0);
+    show_osmesa_to_mujoco();
     gl.reset(OSMesaCreateContextExt(OSMESA_RGBA, 24, 8, 0, nullptr));
     window.resize(4 * kWindow * kWindow);
     if (!gl || OSMesaMakeCurrent(gl.get(), window.data(), GL_UNSIGNED_BYTE, kWindow, kWindow) ==

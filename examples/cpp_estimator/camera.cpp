@@ -72,9 +72,10 @@ class Files : public Estimator {
     const Picture picture = read_pgm(file);
     double column = 0.0, row = 0.0;
     int count = 0;
+    auto pixel = picture.pixels.begin();
     for (int i = 0; i < picture.height; ++i) {
       for (int k = 0; k < picture.width; ++k) {
-        if (picture.pixels[static_cast<std::size_t>(i * picture.width + k)] <= kBright) continue;
+        if (*pixel++ <= kBright) continue;
         column += k;
         row += i;
         ++count;

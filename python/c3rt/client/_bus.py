@@ -192,7 +192,7 @@ class Bus:
         if self._closed:
             return
         self._closed = True
-        for entity in self.entities:
+        for entity in list(self.entities):
             entity.close()
         self.entities.clear()
         self._topics.clear()
@@ -345,9 +345,13 @@ class Reader(Generic[T]):
         return len(self._reader.get_matched_publications())
 
     def close(self) -> None:
+        """Ends the subscription: nothing more comes."""
+        if self._reader is None:
+            return
         self._queue.clear()
         self._reader = None
         del self._condition, self._waitset
+        self._bus.entities.remove(self)
 
     def _may_go(self, sample: Any) -> bool:
         return self.allowed is None or sample.header.seq <= self.allowed

@@ -18,6 +18,7 @@ except ImportError as error:
 import c3rt.v2 as types
 from c3rt.client import Client, NoAnswer, Refused
 
+from .cameras import Cameras
 from .robot import Robot
 
 RATE_HZ = 20.0
@@ -102,7 +103,8 @@ class _Plot:
 class Page:
     """Serves the page and keeps it up to date until stop().
 
-    scene: {"objects": [{"name", "shape"}], "tip_radius_m", "table_height_m", "urdf", "scenario"}, as `c3rt view` writes it."""
+    scene: {"objects": [{"name", "shape"}], "tip_radius_m", "table_height_m", "urdf", "scenario", and of the cameras those of
+    cameras.py}, as `c3rt view` writes it."""
 
     def __init__(self, client: Client, scene: Dict[str, Any], host: str = "127.0.0.1", port: int = 8080) -> None:
         self._client = client
@@ -122,6 +124,7 @@ class Page:
         return self._server.get_port()
 
     def stop(self) -> None:
+        self._cameras.stop()
         self._server.stop()
 
     def run(self, until: Callable[[], bool]) -> None:
@@ -131,6 +134,7 @@ class Page:
         while not until():
             now = time.monotonic()
             self._follow(now - begun)
+            self._cameras.follow()
             if now >= next_words:
                 next_words = now + 0.5
                 self._tell()
@@ -193,6 +197,7 @@ class Page:
             self._tracking = _Plot(self._server, "end effector from the plan [mm]", ["distance"])
             self._solve = _Plot(self._server, "solve [ms]", ["solve"])
             self._force = _Plot(self._server, "force from outside [N]", ["x", "y", "z"])
+        self._cameras = Cameras(self._server, self._client, self._scene)
         with gui.add_folder("Processes"):
             self._processes = gui.add_markdown("nothing heard")
 
