@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
 #include "controller/c3/solver.hpp"
 #include "controller/rt/worker_pool.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rolling_ball.hpp"
 
@@ -111,7 +112,7 @@ MatrixXd plus_reference(const Problem& p, double rho, const MatrixXd& delta, con
   kkt.block(n, 0, n_x, n_x).setIdentity();
   right.segment(n, n_x) = p.x0;
   kkt.topRightCorner(n, m) = kkt.bottomLeftCorner(m, n).transpose();
-  const VectorXd v = kkt.partialPivLu().solve(right);
+  const VectorXd v = support::solve(kkt, right).value();
   MatrixXd out(n_z + n_lambda, N);
   for (int k = 0; k < N; ++k) {
     out.col(k) << v.segment(k * n_z, n_z), v.segment(eta + k * n_lambda, n_lambda);

@@ -6,12 +6,13 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
 #include "controller/c3/projection.hpp"
 #include "controller/c3/solver.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -133,7 +134,7 @@ double violation(const Problem& p, const VectorXd& v, const VectorXd& delta, boo
     MatrixXd U = p.costs.U;
     const double largest = U.diagonal().maxCoeff();
     for (int i = 0; i < n_z; ++i) U(i, i) = std::max(U(i, i), 1e-8 * largest);
-    const MatrixXd rows = J * U.llt().matrixU().solve(MatrixXd::Identity(n_z, n_z));
+    const MatrixXd rows = J * support::inverse_root(U).transpose();
     const VectorXd length = rows.rowwise().norm();
     const VectorXd distance =
         (J * v + constant).cwiseAbs().cwiseQuotient(length.cwiseMax(1e-300)).cwiseMin(1e300);

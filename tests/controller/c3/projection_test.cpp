@@ -4,11 +4,11 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
 #include "controller/lcs/lemke.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rolling_ball.hpp"
 #include "tests/support/weighted_by.hpp"
@@ -36,7 +36,7 @@ double enumerate(const lcs::Lcs& lcs, const Sizes& sizes, const MatrixXd& U, con
   MatrixXd gap_rows(n, n_z);
   gap_rows << lcs.E, lcs.F, lcs.H;
   const MatrixXd half_inverse =  // U⁻¹ = half_inverseᵀ half_inverse
-      U.llt().matrixL().solve(MatrixXd::Identity(n_z, n_z));
+      support::inverse_root(U);
   int combinations = 1;
   for (int i = 0; i < n; ++i) combinations *= 3;
   double best = kInfinity;
@@ -58,7 +58,7 @@ double enumerate(const lcs::Lcs& lcs, const Sizes& sizes, const MatrixXd& U, con
     // e = δ − v = half_inverseᵀ f, least ‖f‖ with rows e = right − rows v
     const MatrixXd transformed = rows.topRows(n_rows) * half_inverse.transpose();
     const VectorXd target = right.head(n_rows) - rows.topRows(n_rows) * v;
-    const VectorXd f = transformed.completeOrthogonalDecomposition().solve(target);
+    const VectorXd f = support::least_squares(transformed, target);
     if ((transformed * f - target).norm() > 1e-9 * (1.0 + target.norm())) continue;
     if (f.squaredNorm() >= best) continue;
     const VectorXd delta = v + half_inverse.transpose() * f;

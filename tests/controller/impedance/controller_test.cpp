@@ -5,10 +5,11 @@
 #include <deque>
 #include <limits>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/panda.hpp"
 
 using namespace c3rt;
@@ -106,8 +107,8 @@ struct Loop {
     while (static_cast<int>(on_their_way.size()) > std::max(delay, 0) + 1) on_their_way.pop_front();
     for (int i = 0; i < 4; ++i) {
       plant.update(q, dq, state);
-      dq +=
-          0.25e-3 * Vector7d(state.M.llt().solve(on_their_way.front() + external - state.coriolis));
+      dq += 0.25e-3 *
+            support::solve_definite(state.M, on_their_way.front() + external - state.coriolis);
       q += 0.25e-3 * dq;
     }
     plant.update(q, dq, state);

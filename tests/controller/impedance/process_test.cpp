@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
 #include "controller/model/arm.hpp"
 #include "tests/idl/bus_fixture.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/panda.hpp"
 
 using namespace c3rt;
@@ -69,7 +70,7 @@ class Run {
     }
     for (int i = 0; i < 4; ++i) {
       arm_.update(q_, dq_, arm_state_);
-      dq_ += 0.25e-3 * Vector7d(arm_state_.M.llt().solve(tau_ - arm_state_.coriolis));
+      dq_ += 0.25e-3 * support::solve_definite(arm_state_.M, tau_ - arm_state_.coriolis);
       q_ += 0.25e-3 * dq_;
     }
     arm_.update(q_, dq_, arm_state_);

@@ -2,9 +2,10 @@
 
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -43,7 +44,7 @@ TEMPLATE_TEST_CASE("dictionary: λ that were exchanged solve their rows", "", do
     REQUIRE(dictionary.exchange(wanted, 1e-11));
     VectorXd lambda = VectorXd::Zero(n);
     if (!chosen.empty()) {
-      const VectorXd forces = MatrixXd(F(chosen, chosen)).fullPivLu().solve(-q(chosen));
+      const VectorXd forces = support::solve(F(chosen, chosen), -q(chosen)).value();
       for (std::size_t i = 0; i < chosen.size(); ++i)
         lambda[chosen[i]] = forces[static_cast<Eigen::Index>(i)];
     }

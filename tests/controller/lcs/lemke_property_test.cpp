@@ -2,6 +2,7 @@
 // many ties as there can be.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <Eigen/LU>
@@ -10,6 +11,7 @@
 #include "controller/lcs/acceptance.hpp"
 #include "controller/lcs/lemke.hpp"
 #include "controller/lcs/simulate.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/resting_box.hpp"
@@ -147,10 +149,9 @@ bool has_answer(const MatrixXd& F, const VectorXd& q) {
       if (q.isZero(0.0)) return true;
       continue;
     }
-    const Eigen::FullPivLU<MatrixXd> lu(columns.leftCols(count));
-    if (lu.rank() < count) continue;
-    const VectorXd v = lu.solve(q);
-    if ((columns.leftCols(count) * v - q).cwiseAbs().maxCoeff() < 1e-9 && v.minCoeff() > -1e-9)
+    const std::optional<VectorXd> v = support::solve(columns.leftCols(count), q);
+    if (!v) continue;
+    if ((columns.leftCols(count) * *v - q).cwiseAbs().maxCoeff() < 1e-9 && v->minCoeff() > -1e-9)
       return true;
   }
   return false;

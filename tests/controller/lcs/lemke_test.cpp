@@ -7,11 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rolling_ball.hpp"
 
@@ -38,11 +39,10 @@ std::optional<VectorXd> enumerate(const MatrixXd& F, const VectorXd& q) {
     }
     VectorXd lambda = VectorXd::Zero(n);
     if (!support.empty()) {
-      const MatrixXd basis = F(support, support);
-      const Eigen::FullPivLU<MatrixXd> lu(basis);
-      if (!lu.isInvertible()) continue;
-      const VectorXd solution = lu.solve(-q(support));
-      for (std::size_t i = 0; i < support.size(); ++i) lambda[support[i]] = solution[i];
+      const std::optional<VectorXd> solution =
+          c3rt::support::solve(F(support, support), -q(support));
+      if (!solution) continue;
+      for (std::size_t i = 0; i < support.size(); ++i) lambda[support[i]] = (*solution)[i];
     }
     if (lambda.minCoeff() >= -1e-10 && (F * lambda + q).minCoeff() >= -1e-10) return lambda;
   }

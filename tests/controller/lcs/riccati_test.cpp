@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -15,7 +16,7 @@ using Eigen::VectorXd;
 namespace {
 
 MatrixXd gain(const MatrixXd& P, const MatrixXd& A, const MatrixXd& B, const MatrixXd& R) {
-  return (R + B.transpose() * P * B).llt().solve(B.transpose() * P * A);
+  return support::solve_definite(R + B.transpose() * P * B, B.transpose() * P * A);
 }
 
 }  // namespace

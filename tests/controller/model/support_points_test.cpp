@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -65,9 +66,8 @@ TEST_CASE("support points: a jack stands on the three ends that are below, which
   for (int i = 0; i < 100; ++i) {
     // one of its eight faces down, then any turn about z
     const Vector3d down = Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).normalized();
-    const Matrix3d R =
-        turned(6.0 * random.uniform(), Vector3d::UnitZ()) *
-        Eigen::Quaterniond::FromTwoVectors(down, -Vector3d::UnitZ()).toRotationMatrix();
+    const Matrix3d R = turned(6.0 * random.uniform(), Vector3d::UnitZ()) *
+                       support::turn(down, -Vector3d::UnitZ()).toRotationMatrix();
     for (const double height : heights(support, R))
       CHECK(height == Approx(-0.05 / std::sqrt(3.0) - 0.015));
   }
