@@ -18,8 +18,7 @@ void bench(const BenchSettings& settings) {
   const std::filesystem::path program = binary_directory() / ("c3rt_bench_" + settings.name);
   if (access(program.c_str(), X_OK) != 0) {
     throw UsageError(fmt::format(
-        "bench {}: expected {}, which is not there: benchmarks are built with the tests "
-        "(./c3rt build) and not installed",
+        "bench {}: expected {}, which is not there: ./c3rt bench builds it, and no package has it",
         settings.name, program.string()));
   }
   std::vector<std::string> words{program.string()};
