@@ -2,12 +2,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <catch2/catch.hpp>
 
 #include "controller/c3/projection.hpp"
+#include "tests/support/linear_algebra.hpp"
 #include "tests/support/random.hpp"
 
 using namespace c3rt;
@@ -87,7 +86,7 @@ double enumerate(const lcs::Lcs& lcs, const Sizes& s, const ConvexWeights& weigh
     kkt.bottomLeftCorner(count, n_z) = rows.topRows(count);
     VectorXd rhs(n_z + count);
     rhs << linear, right.head(count);
-    const VectorXd solution = kkt.completeOrthogonalDecomposition().solve(rhs);
+    const VectorXd solution = support::least_squares(kkt, rhs);
     if ((kkt * solution - rhs).norm() > 1e-9 * (1.0 + rhs.norm())) continue;
     const VectorXd delta = solution.head(n_z);
     if (s.lambda(delta).minCoeff() < -1e-9 || gap(lcs, s, delta).minCoeff() < -1e-9) continue;
@@ -155,8 +154,7 @@ TEST_CASE("convex projection: the violation is linear in alpha, within the bound
     }
     const lcs::Lcs lcs = random_lcs(random, s, F);
     const VectorXd v = 2.0 * random.vector(s.n_z());
-    const VectorXd eigenvalues =
-        Eigen::SelfAdjointEigenSolver<MatrixXd>(F, Eigen::EigenvaluesOnly).eigenvalues();
+    const VectorXd eigenvalues = support::eigenvalues(F);
     const double condition = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
     Costs costs = random_costs(random, s, 0.0, 0.0);
     for (double alpha = 1.0; alpha > 1e-7; alpha *= 0.1) {
