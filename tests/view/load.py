@@ -32,29 +32,19 @@ def counters(client):
 
 
 def busy():
-    """Seconds of processors since the start: of all, and of what c3rt, the page and the browser are made of."""
+    """Seconds that the machine's processors have worked, for whomever."""
     fields = [int(word) for word in pathlib.Path("/proc/stat").read_text().split("\n")[0].split()[1:]]
-    hertz = os.sysconf("SC_CLK_TCK")
-    ours = 0
-    for folder in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            name, rest = (folder / "stat").read_text().rsplit(")", 1)
-            words = (folder / "cmdline").read_text()
-        except OSError:
-            continue
-        if "c3rt" in words or "chrom" in words:
-            ours += sum(int(word) for word in rest.split()[11:13])
-    return (sum(fields) - fields[3] - fields[4]) / hertz, ours / hertz
+    return (sum(fields) - fields[3] - fields[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def window(client):
-    before, (all_before, ours_before) = counters(client), busy()
+    before, busy_before = counters(client), busy()
     time.sleep(WINDOW_S)
-    after, (all_after, ours_after) = counters(client), busy()
+    after, busy_after = counters(client), busy()
     seen = {key: after[key] - before[key] for key in after if key[1] != "rate_hz"}
     seen |= {key: after[key] for key in after if key[1] == "rate_hz"}
-    ours = (ours_after - ours_before) / WINDOW_S
-    seen["processors", "ours"], seen["processors", "others"] = ours, (all_after - all_before) / WINDOW_S - ours
+    seen["machine", "busy"] = (busy_after - busy_before) / WINDOW_S  # processors
+    seen["machine", "load"] = os.getloadavg()[0]
     return seen
 
 
