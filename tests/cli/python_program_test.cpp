@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "config/scenario.hpp"
+
 using namespace c3rt;
 using namespace c3rt::cli;
 
