@@ -3,16 +3,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "config/scenario.hpp"
-
 using namespace c3rt;
 using namespace c3rt::cli;
 
 namespace {
 
 nlohmann::ordered_json scene_of(const std::string& scenario) {
-  return shown_scene(
-      config::load_scenario(C3RT_SOURCE_DIRECTORY "/config/scenarios/" + scenario + ".yaml"));
+  return shown_scene({}, {C3RT_SOURCE_DIRECTORY "/config/scenarios/" + scenario + ".yaml", {}});
 }
 
 TEST_CASE("shown_scene: a program is told each object's shape, the tip, the table and the arm") {
