@@ -94,6 +94,9 @@ Estimator::Estimator(const EstimatorSettings& settings)
   require_within("latency", settings.latency, 0.0, 1.0);
 }
 
+// not inline: the vtable is the package's
+Estimator::~Estimator() = default;
+
 std::unique_ptr<Process::Part> Estimator::take_part(const Place& place) {
   return std::make_unique<Seeing>(*this, place);
 }

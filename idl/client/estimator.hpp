@@ -37,6 +37,7 @@ class Estimator : public Process {
  public:
   /// @throws std::invalid_argument naming the setting
   explicit Estimator(const EstimatorSettings& settings = {});
+  ~Estimator() override;
 
   /// Once an exposure. In lockstep it must depend on nothing but what it is given, so that the same
   /// run gives the same bits. What it throws ends the process, as FAILED on service/status.

@@ -103,6 +103,9 @@ Planner::Planner(const PlannerSettings& settings)
   require_within("valid_for", settings.valid_for, 0.001, 10.0);
 }
 
+// not inline: the vtable is the package's
+Planner::~Planner() = default;
+
 void Planner::target(const std::string&, const std::vector<Parameter>&) {
   throw std::invalid_argument("a client plays the planner, and it takes no targets");
 }

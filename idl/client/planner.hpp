@@ -20,6 +20,7 @@ class Planner : public Process {
  public:
   /// @throws std::invalid_argument naming the setting
   explicit Planner(const PlannerSettings& settings = {});
+  ~Planner() override;
 
   /// Once a period. In lockstep it must depend on nothing but what it is given, so that the same
   /// run gives the same bits. What it throws ends the process, as FAILED on service/status.
