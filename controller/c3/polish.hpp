@@ -114,21 +114,22 @@ class Polish {
   void take_modes(int k) noexcept;
   void roll(Plan& plan) noexcept;
   void measure(Plan& plan) noexcept;
-  enum class Effort : char {
-    kQuick,
-    kThorough
-  };  // where whole steps have no end: gives up; goes on
+  // where whole steps have no end: gives up; goes on
+  enum class Effort : char { kQuick, kThorough };
   void descend(Plan& plan, Effort effort, const Deadline& deadline) noexcept;
   bool converge(Plan& plan, const Deadline& deadline) noexcept;
   void start_sides(const Plan& plan) noexcept;
   double distance(int side) const noexcept;
-  bool interior_step(Plan& plan) noexcept;
+  bool interior_step() noexcept;
   void newton_step(double centre, bool corrected) noexcept;
   double longest_step(double share) const noexcept;
   bool hold_equalities() noexcept;
   void hold_touched(const Plan& plan) noexcept;
   void go_on(Plan& plan, const Deadline& deadline) noexcept;
   bool solve() noexcept;
+  void penalise(int row) noexcept;
+  void start_total() noexcept;
+  double stiff_weight(int row) const noexcept;
   bool move(Plan& plan, double alpha) noexcept;
   void add(int row, Side side, double inverse_hessian) noexcept;
   void drop(int row) noexcept;

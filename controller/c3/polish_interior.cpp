@@ -11,7 +11,6 @@ using Eigen::VectorXd;
 
 constexpr int kMaxInteriorSteps = 25;
 constexpr double kInteriorConverged = 1e-6;  // gap beside the cost, misses beside their terms
-constexpr double kEqualityStiffness = 1e7;   // of an equality's penalty, relative to the problem
 constexpr double kFirstSlack = 0.1;          // beside a row's terms, at least
 constexpr double kToBoundary = 0.99;         // share of the way to the boundary
 constexpr double kShort = 0.05;              // of the whole step
@@ -41,7 +40,7 @@ bool Polish::converge(Plan& plan, const Deadline& deadline) noexcept {
     if (gap <= kInteriorConverged * plan.cost && miss <= kInteriorConverged) break;
     if (round == kMaxInteriorSteps || is_over(deadline)) return false;
     ++report_.qps;
-    if (!interior_step(plan)) return false;
+    if (!interior_step() || !std::isfinite(plan.cost)) return false;
     const double alpha = longest_step(kToBoundary);
     if (alpha < kShort && ++short_steps > kMaxShort) return false;
     for (const int row : active_)
@@ -105,10 +104,10 @@ void Polish::start_sides(const Plan& plan) noexcept {
 }
 
 /// A predictor and a corrector, into step_, ds_ and dy_.
-bool Polish::interior_step(Plan& plan) noexcept {
+bool Polish::interior_step() noexcept {
   const auto n = static_cast<int>(sides_.size());
   weight_.setZero();
-  for (const int row : active_) weight_[row] = kEqualityStiffness / inverse_hessian_[row];
+  for (const int row : active_) weight_[row] = stiff_weight(row);
   double mu = 0.0;
   for (int j = 0; j < n; ++j) {
     weight_[sides_[j].row] += y_[j] / s_[j];
@@ -116,10 +115,7 @@ bool Polish::interior_step(Plan& plan) noexcept {
   }
   penalties_.clear();
   for (int row = 0; row < row_count(); ++row) {
-    if (weight_[row] == 0.0) continue;
-    const bool last = stage(row) == sizes_.N;
-    penalties_.add(stage(row), last ? constraints_[row - n_pairs_].coordinate : -1, normal(row),
-                   weight_[row]);
+    if (weight_[row] != 0.0) penalise(row);
   }
   changed_ = sizes_.N;
   if (!riccati_.factor({hessian_.data(), 1}, costs_.Q_N, changed_, &penalties_)) return false;
@@ -129,18 +125,13 @@ bool Polish::interior_step(Plan& plan) noexcept {
   for (int j = 0; j < n; ++j) mu_affine += (s_[j] + alpha * ds_[j]) * (y_[j] + alpha * dy_[j]) / n;
   const double ratio = mu_affine / mu;
   newton_step(ratio * ratio * ratio * mu, true);
-  return step_.allFinite() && step_N_.allFinite() && std::isfinite(plan.cost);
+  return step_.allFinite() && step_N_.allFinite();
 }
 
 /// @param corrected  by the products of the predictor's ds and dy
 void Polish::newton_step(double centre, bool corrected) noexcept {
   const auto n = static_cast<int>(sides_.size());
-  total_ = gradient_;
-  total_N_ = gradient_N_;
-  for (const int row : active_) {
-    add_normal(row, weight_[row] * (value_[row] - target(row)) - multiplier_[row], total_,
-               total_N_);
-  }
+  start_total();
   for (int j = 0; j < n; ++j) {
     complementarity_[j] = s_[j] * y_[j] - centre + (corrected ? ds_[j] * dy_[j] : 0.0);
     const double miss = distance(j) - s_[j];

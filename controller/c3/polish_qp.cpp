@@ -206,20 +206,11 @@ bool Polish::solve() noexcept {
   if (modes_changed_) riccati_.start({reduced_.data(), 1}, false);
   modes_changed_ = false;
   penalties_.clear();
-  for (const int row : active_) {
-    const bool last = stage(row) == sizes_.N;
-    penalties_.add(stage(row), last ? constraints_[row - n_pairs_].coordinate : -1, normal(row),
-                   weight_[row]);
-  }
+  for (const int row : active_) penalise(row);
   if (changed_ >= 0 && !riccati_.factor({hessian_.data(), 1}, costs_.Q_N, changed_, &penalties_))
     return false;
   changed_ = -1;
-  total_ = gradient_;
-  total_N_ = gradient_N_;
-  for (const int row : active_) {
-    add_normal(row, weight_[row] * (value_[row] - target(row)) - multiplier_[row], total_,
-               total_N_);
-  }
+  start_total();
   riccati_.step(total_, total_N_, no_defect_, step_, step_N_);
   for (const int row : active_) {
     multiplier_[row] -=
@@ -228,10 +219,29 @@ bool Polish::solve() noexcept {
   return step_.allFinite() && step_N_.allFinite();
 }
 
+/// Its weight, into the terms that the recursion factors.
+void Polish::penalise(int row) noexcept {
+  const bool last = stage(row) == sizes_.N;
+  penalties_.add(stage(row), last ? constraints_[row - n_pairs_].coordinate : -1, normal(row),
+                 weight_[row]);
+}
+
+/// The gradient with what holds the active rows, into total_.
+void Polish::start_total() noexcept {
+  total_ = gradient_;
+  total_N_ = gradient_N_;
+  for (const int row : active_) {
+    add_normal(row, weight_[row] * (value_[row] - target(row)) - multiplier_[row], total_,
+               total_N_);
+  }
+}
+
+double Polish::stiff_weight(int row) const noexcept { return kStiffness / inverse_hessian_[row]; }
+
 void Polish::add(int row, Side side, double inverse_hessian) noexcept {
   side_[row] = side;
   inverse_hessian_[row] = inverse_hessian;
-  weight_[row] = kStiffness / inverse_hessian;
+  weight_[row] = stiff_weight(row);
   multiplier_[row] = 0.0;
   active_.push_back(row);
   changed_ = std::max(changed_, stage(row));
