@@ -78,18 +78,25 @@ TEST_CASE(
 TEMPLATE_LIST_TEST_CASE("wire: what is written in one process is read in another, bit by bit", "",
                         TopicTypes) {
   constexpr std::uint64_t kSession = 42;
-  // in lockstep every topic is reliable, so a write before the reader is found is not lost
-  test::Child child([] {
+  // in lockstep every topic is reliable, so a write before the reader is there is not lost
+  int written[2];
+  REQUIRE(pipe(written) == 0);
+  test::Child child([&] {
     Bus bus(test::settings(ClockMode::kLockstep, kSession));
     Writer<TestType> writer(bus);
     TestType sample = numbered<TestType>();
     for (int i = 1; i <= 3; ++i) {
       if (!writer.write(sample, i * kMs)) return 1;
     }
+    if (write(written[1], "", 1) != 1) return 3;
     return eventually([&] { return writer.matched_readers() > 0; }) && (sleep(20), true) ? 0 : 2;
   });
   Bus bus(test::settings(ClockMode::kLockstep));
   bus.adopt_session(kSession);
+  char done = 0;
+  REQUIRE(read(written[0], &done, 1) == 1);
+  close(written[0]);
+  close(written[1]);
   Reader<TestType> reader(bus);
   const auto samples = take(reader, topic<TestType>().qos == Qos::kStatus ? 1 : 3);
   REQUIRE(samples.size() >= 1);
