@@ -58,6 +58,10 @@ struct LaunchOptions {
   }
 
   LaunchSettings read(const std::string& verb) {
+    if (deciding_.exact_limit || deciding_.trace) {
+      throw UsageError(
+          fmt::format("--exact, --trace: of numerical examples, {} is none", settings.scenario));
+    }
     settings.verb = verb;
     if (settings.in_process) refuse_what_needs_a_bus();
     settings.lockstep = settings.in_process || clock_ == "lockstep";
@@ -97,6 +101,18 @@ struct LaunchOptions {
     command.add_flag("!--no-logs", settings.logs, "Keeps no samples (run.mcap): the report alone");
   }
 
+  /// Of c3rt run, for numerical examples.
+  void add_deciding_to(CLI::App& command) {
+    command
+        .add_option("--exact", deciding_.exact_limit,
+                    "Of a numerical example: the exact search over the whole horizon decides in "
+                    "C3's place, at most so long each time [s]")
+        ->check(number(0.001, 86400.0));
+    command.add_flag("--trace", deciding_.trace,
+                     "Of a numerical example: also every iterate of the first decision "
+                     "(iterates.csv), and the time of one projection in each (decisions.csv)");
+  }
+
   /// The same for a numerical example, if the scenario is one.
   /// @throws UsageError, config::ConfigError
   std::optional<ExampleSettings> read_example() const {
@@ -111,7 +127,9 @@ struct LaunchOptions {
                         option, settings.scenario));
       }
     }
-    ExampleSettings example{file, settings.seed, settings.overrides, settings.out};
+    if (deciding_.exact_limit && deciding_.trace)
+      throw UsageError("--trace: of C3 alone, which does not decide with --exact");
+    ExampleSettings example{file, settings.seed, settings.overrides, settings.out, deciding_};
     if (duration_s > 0.0)
       example.overrides.push_back(fmt::format("control.duration_s={}", duration_s));
     return example;
@@ -154,6 +172,7 @@ struct LaunchOptions {
 
   CLI::App* command_ = nullptr;
   std::string clock_ = "realtime", domain_ = "0";
+  Deciding deciding_;
 };
 
 }  // namespace c3rt::cli

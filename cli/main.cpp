@@ -155,6 +155,7 @@ class CommandLine {
     launch_.add_to(*run);
     launch_.add_results_to(*run);
     launch_.add_without_to(*run);
+    launch_.add_deciding_to(*run);
     add_soak();
     add_chaos();
     CLI::App* up =
@@ -620,6 +621,9 @@ class CommandLine {
         ->check(cli::whole(0, std::numeric_limits<long long>::max()));
     report->add_option("--out", report_.out,
                        "Folder for report.json and the pictures; default: none");
+    report->add_option("--series", report_.series,
+                       "Folder for what the figures are made of: objects.csv, end_effector.csv, "
+                       "path.csv; default: none");
 
     add_replay();
     CLI::App* tables =
@@ -688,14 +692,23 @@ class CommandLine {
     CLI::App* gap =
         command(app_, "gap", "How far C3's plans are from the optimum of the whole problem",
                 [this] { return cli::gap::run(gap_, &wire::StopFlag::requested); });
-    gap->add_option("what", gap_.what,
-                    "A problem file (.json), or a numerical example's name or file, whose trial is "
-                    "run")
+    gap->add_option(
+           "what", gap_.what,
+           "A problem file (.json); a numerical example's name or file, whose trial is run; or "
+           "a recording (run.mcap) of one ball")
         ->required();
-    gap->add_option("--states", gap_.states, "Control steps of the example's trial")
+    gap->add_option("--states", gap_.states,
+                    "Control steps of the example's trial, or plans of the recording")
         ->check(cli::whole(1, 100000))
         ->capture_default_str();
-    gap->add_option("--set", gap_.overrides, "Overrides one key of the example: section.key=value")
+    gap->add_option(
+           "--set", gap_.overrides,
+           "Overrides one key of the example or of the recording's scenario: section.key=value")
+        ->expected(1)
+        ->take_all();
+    gap->add_option("--planner", gap_.planners,
+                    "Of a recording: a scenario whose planner answers, too; several by saying it "
+                    "again")
         ->expected(1)
         ->take_all();
     gap->add_option("--polish", gap_.polish,

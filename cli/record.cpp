@@ -22,6 +22,7 @@
 #include "cli/recording/taken_topics.hpp"
 #include "cli/report/pictures.hpp"
 #include "cli/report/report.hpp"
+#include "cli/series.hpp"
 #include "controller/base/time.hpp"
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/process.hpp"
@@ -136,6 +137,11 @@ int report_recording(const ReportSettings& settings) {
   const std::string factor = text_of(contents, kResultMetadata, "real_time_factor");
   if (!factor.empty()) report.real_time_factor = std::strtod(factor.c_str(), nullptr);
   fmt::print("{}", summary(report));
+  if (!settings.series.empty()) {
+    const fs::path folder = make_folder(settings.series);
+    write_series(folder, keeping.samples.series(), scenario.task.motion.seeded(seed));
+    fmt::print("  {:<22}{}\n", "series", folder.string());
+  }
   if (!settings.out.empty()) {
     const fs::path out = make_folder(settings.out);
     nlohmann::ordered_json json = to_json(report);

@@ -26,6 +26,7 @@ struct ReportSettings {
   std::vector<std::string> overrides;
   std::optional<std::uint64_t> seed;  // none: that of the recording
   std::string out;                    // folder of report.json and pictures; empty: none
+  std::string series;                 // folder of write_series; empty: none
 };
 
 /// The report of a recording, as its run gave it.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/example/pictures.hpp"
+#include "cli/example/tables.hpp"
 #include "cli/example/trials.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/paths.hpp"
@@ -20,9 +21,11 @@ int run_example(const ExampleSettings& settings, const Stop& stop) {
              scenario.description, out.string());
   std::fflush(stdout);
 
-  const TrialsResult result = run_trials(scenario, settings.seed, stop);
+  const TrialsResult result = run_trials(scenario, settings.seed, stop, settings.deciding);
   const ExampleReport report = report_on(scenario, settings.seed, result);
   write_text(out / "report.json", to_json(report).dump(2) + "\n");
+  write_decisions(out / "decisions.csv", scenario.experiment, result);
+  if (settings.deciding.trace) write_iterates(out / "iterates.csv", scenario.experiment, result);
   write_trajectory(out / "trajectory.csv", scenario.experiment, result.first);
   const std::string missing =
       draw_panels(out / "trajectory.png", fmt::format("{}, first trial", scenario.name),

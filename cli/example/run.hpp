@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/example/deciding.hpp"
 #include "cli/progress.hpp"
 
 namespace c3rt::cli {
@@ -14,9 +15,11 @@ struct ExampleSettings {
   std::uint64_t seed = 1;
   std::vector<std::string> overrides;  // "c3.projection=plus"
   std::string out;                     // empty: out/SCENARIO-DATE
+  Deciding deciding = {};
 };
 
-/// Runs all trials and writes report.json, trajectory.csv and trajectory.png (of the first trial).
+/// Runs all trials and writes report.json, and of the first trial trajectory.csv, trajectory.png,
+/// decisions.csv and, with a trace, iterates.csv.
 /// @return an exit status
 /// @throws config::ConfigError, UsageError
 int run_example(const ExampleSettings& settings, const Stop& stop);

@@ -45,12 +45,23 @@ double mean(const std::vector<Trial>& trials, Value value) {
   return sum / static_cast<double>(trials.size());
 }
 
+double overshoot(const c3::Constraints& constraints, const Eigen::MatrixXd& x) {
+  const double above = (x.colwise() - constraints.x_max[0]).maxCoeff();
+  const double below = ((-x).colwise() + constraints.x_min[0]).maxCoeff();
+  return std::max({0.0, above, below});
+}
+
 }  // namespace
 
-Trial summarise(const example::Trajectory& trajectory) {
-  Trial trial{
-      trajectory.succeeded,    trajectory.cost.tail(1)[0], kNone, 0, trajectory.controller_failures,
-      trajectory.plant_failed, trajectory.x.rightCols(1)};
+Trial summarise(const example::Experiment& experiment, const example::Trajectory& trajectory) {
+  Trial trial{trajectory.succeeded,
+              trajectory.cost.tail(1)[0],
+              kNone,
+              0,
+              trajectory.controller_failures,
+              trajectory.plant_failed,
+              overshoot(experiment.constraints, trajectory.x),
+              trajectory.x.rightCols(1)};
   double sum = 0.0;
   int count = 0;
   for (const double cost : trajectory.cost_to_go) {
@@ -64,25 +75,39 @@ Trial summarise(const example::Trajectory& trajectory) {
   return trial;
 }
 
-TrialsResult run_trials(const ExampleScenario& scenario, std::uint64_t seed, const Stop& stop) {
-  const example::Experiment& experiment = scenario.experiment;
-  example::C3Controller controller(experiment);
-  TimedController timed(controller);
+TrialsResult run_trials(const ExampleScenario& scenario, std::uint64_t seed, const Stop& stop,
+                        const Deciding& deciding) {
+  const example::Experiment experiment =
+      deciding.trace ? traced(scenario.experiment) : scenario.experiment;
+  example::C3Controller c3(experiment);
+  std::optional<ExactController> exact;
+  if (deciding.exact_limit) exact.emplace(experiment, *deciding.exact_limit, stop);
+  TimedController timed(exact ? static_cast<example::Controller&>(*exact) : c3);
+  std::optional<TracedController> trace;
+  if (deciding.trace) trace.emplace(experiment, c3, timed);
+  example::Controller& controller = trace ? static_cast<example::Controller&>(*trace) : timed;
   const std::unique_ptr<example::Plant> plant = make_plant(experiment);
   Watch watch(scenario, stop);
   TrialsResult result;
   for (watch.trial = 0; watch.trial < experiment.trials; ++watch.trial) {
     example::Trajectory trajectory =
-        example::run(experiment, seed, watch.trial, timed, *plant, &watch);
-    result.interrupted = trajectory.stopped;
+        example::run(experiment, seed, watch.trial, controller, *plant, &watch);
+    // a stop may also have cut the last decision short
+    result.interrupted = trajectory.stopped || (exact && stop());
     if (!result.interrupted) {
-      result.trials.push_back(summarise(trajectory));
+      result.trials.push_back(summarise(experiment, trajectory));
       watch.succeeded += trajectory.succeeded ? 1 : 0;
     }
     if (watch.trial == 0) result.first = std::move(trajectory);
     if (result.interrupted) break;
   }
   result.solve_times = timed.seconds();
+  if (exact) result.exact = exact->decisions();
+  if (trace) {
+    result.projections = trace->projections();
+    result.first_iterates = trace->first_iterates();
+    result.first_system = trace->first_system();
+  }
   return result;
 }
 
@@ -98,6 +123,10 @@ ExampleReport report_on(const ExampleScenario& scenario, std::uint64_t seed,
   report.accumulated_cost = mean(result.trials, [](const Trial& t) { return t.accumulated_cost; });
   report.solve_time = spread(result.solve_times);
   report.solves = result.solve_times.size();
+  report.exact = result.exact.size();
+  report.proven = static_cast<std::size_t>(
+      std::count_if(result.exact.begin(), result.exact.end(),
+                    [](const ExactDecision& decision) { return decision.proven; }));
   report.criteria = judge(scenario.criteria, [&](const std::string& name) {
     if (name == "success_rate") return report.success_rate;
     if (name == "mean_cost_to_go") return report.mean_cost_to_go;
@@ -119,6 +148,7 @@ ordered_json to_json(const ExampleReport& report) {
                       {"plans_not_rolled_out", trial.plans_not_rolled_out},
                       {"controller_failures", trial.controller_failures},
                       {"plant_failed", trial.plant_failed},
+                      {"overshoot", number(trial.overshoot)},
                       {"final_state", numbers(trial.final_state)}});
   }
   return {{"scenario", report.scenario},
@@ -158,11 +188,13 @@ std::string summary(const ExampleReport& report) {
   }
   line("accumulated cost", shown(report.accumulated_cost));
   line("mean cost-to-go", shown(report.mean_cost_to_go));
-  line("C3 solve",
+  line(report.exact > 0 ? "exact search" : "C3 solve",
        fmt::format("{} solves, p50 {}  p95 {}  p99 {}  max {} ms; {} failed", report.solves,
                    shown(report.solve_time.p50 * 1e3), shown(report.solve_time.p95 * 1e3),
                    shown(report.solve_time.p99 * 1e3), shown(report.solve_time.max * 1e3),
                    failures));
+  if (report.exact > 0)
+    line("proven to 1e-4", fmt::format("{} of {} solves", report.proven, report.exact));
   for (const CriterionResult& c : report.criteria) {
     line(c.met ? "met" : "NOT MET",
          fmt::format("{}: {} (limit {:g})", c.name, shown(c.value), c.limit));

@@ -6,7 +6,10 @@
 #include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
 
+#include "cli/example/deciding.hpp"
+#include "cli/example/exact.hpp"
 #include "cli/example/scenario.hpp"
+#include "cli/example/traced.hpp"
 #include "cli/progress.hpp"
 #include "controller/example/closed_loop.hpp"
 
@@ -19,20 +22,26 @@ struct Trial {
   int plans_not_rolled_out;  // their LCP had no solution
   int controller_failures;
   bool plant_failed;
+  double overshoot;  // how far a simulated state went beyond the limits of C, 0: nowhere
   Eigen::VectorXd final_state;
 };
 
-Trial summarise(const example::Trajectory& trajectory);
+Trial summarise(const example::Experiment& experiment, const example::Trajectory& trajectory);
 
 struct TrialsResult {
-  std::vector<Trial> trials;        // that were finished
-  example::Trajectory first;        // of the first trial, also where it was interrupted
-  std::vector<double> solve_times;  // [s]
+  std::vector<Trial> trials;                 // that were finished
+  example::Trajectory first;                 // of the first trial, also where it was interrupted
+  std::vector<double> solve_times;           // [s]
+  std::vector<ExactDecision> exact;          // of the exact search
+  std::vector<ProjectionTimes> projections;  // these of a trace
+  std::vector<c3::Iterate> first_iterates;
+  lcs::Lcs first_system;
   bool interrupted = false;
 };
 
-/// Runs the trials with C3 one after the other.
-TrialsResult run_trials(const ExampleScenario& scenario, std::uint64_t seed, const Stop& stop);
+/// Runs the trials one after the other.
+TrialsResult run_trials(const ExampleScenario& scenario, std::uint64_t seed, const Stop& stop,
+                        const Deciding& deciding = {});
 
 struct ExampleReport {
   std::string scenario;
@@ -45,6 +54,7 @@ struct ExampleReport {
   double accumulated_cost = kNone;  // mean over the trials
   Spread solve_time;                // [s]
   std::size_t solves = 0;
+  std::size_t exact = 0, proven = 0;  // of the exact search: decisions, those that it proved
   std::vector<CriterionResult> criteria;
 };
 

@@ -24,7 +24,12 @@ class Scribe final : public example::Controller {
   const Eigen::MatrixXd* decide(const lcs::Lcs& lcs, const Eigen::VectorXd& x, double t) override {
     const Clock::time_point start = Clock::now();
     const Eigen::MatrixXd* plan = controller_.decide(lcs, x, t);
-    Decision decision{t, {lcs}, x, {}, seconds_since(start)};
+    Decision decision{t,
+                      {lcs},
+                      x,
+                      {},
+                      seconds_since(start),
+                      experiment_.x_desired.replicate(1, experiment_.N + 1)};
     if (plan != nullptr) {
       decision.u = *plan;
       for (Eigen::Index k = 0; k < decision.u.cols(); ++k)
@@ -56,19 +61,23 @@ class UpTo final : public example::Observer {
 
 horizon::Problem Decisions::problem(std::size_t index) const {
   const Decision& decision = all[index];
-  return {sizes,     {decision.lcs.data(), decision.lcs.size() == 1 ? 0 : 1},
-          &costs,    &constraints,
-          x_desired, decision.x0};
+  return {sizes,
+          {decision.lcs.data(), decision.lcs.size() == 1 ? 0 : 1},
+          &costs[decision.costs],
+          &constraints,
+          decision.x_desired,
+          decision.x0};
 }
 
-std::optional<horizon::Plan> Decisions::simulated(std::size_t index) const {
+std::optional<horizon::Plan> Decisions::simulated(std::size_t index,
+                                                  const Eigen::MatrixXd& u) const {
   const Decision& decision = all[index];
-  if (decision.u.cols() == 0) return std::nullopt;
-  const lcs::Simulation simulation =
-      decision.lcs.size() == 1 ? lcs::simulate(decision.lcs.front(), decision.x0, decision.u)
-                               : lcs::simulate(decision.lcs, decision.x0, decision.u);
+  if (u.cols() == 0) return std::nullopt;
+  const lcs::Simulation simulation = decision.lcs.size() == 1
+                                         ? lcs::simulate(decision.lcs.front(), decision.x0, u)
+                                         : lcs::simulate(decision.lcs, decision.x0, u);
   if (!simulation.report.ok()) return std::nullopt;
-  return horizon::roll_out(problem(index), simulation.lambda, decision.u);
+  return horizon::roll_out(problem(index), simulation.lambda, u);
 }
 
 Decisions of_problem(const config::ProblemFile& problem, const std::string& name) {
@@ -78,21 +87,17 @@ Decisions of_problem(const config::ProblemFile& problem, const std::string& name
   const c3::Solution& solution =
       problem.lcs.size() == 1 ? solver.solve(problem.lcs.front(), problem.x0, problem.x_desired)
                               : solver.solve(problem.lcs, problem.x0, problem.x_desired);
-  Decision decision{0.0, problem.lcs, problem.x0, {}, seconds_since(start)};
+  Decision decision{0.0, problem.lcs, problem.x0, {}, seconds_since(start), problem.x_desired};
   if (solution.status != c3::SolveStatus::kFailed)
     decision.u = config::to_result(problem, solution, decision.solve_time_s).u;
-  return {name, problem.sizes, problem.costs, problem.constraints, problem.x_desired, {decision}};
+  return {name, problem.sizes, {problem.costs}, problem.constraints, {decision}};
 }
 
 Decisions of_example(const ExampleScenario& scenario, std::uint64_t seed, int count,
                      const Stop& stop) {
   const example::Experiment& experiment = scenario.experiment;
-  Decisions decisions{scenario.name,
-                      example::sizes(experiment),
-                      experiment.costs,
-                      experiment.constraints,
-                      experiment.x_desired.replicate(1, experiment.N + 1),
-                      {}};
+  Decisions decisions{
+      scenario.name, example::sizes(experiment), {experiment.costs}, experiment.constraints, {}};
   example::C3Controller controller(experiment);
   Scribe scribe(experiment, controller, decisions.all);
   const std::unique_ptr<example::Plant> plant = make_plant(experiment);

@@ -18,22 +18,24 @@ struct Decision {
   Eigen::VectorXd x0;
   Eigen::MatrixXd u;  // (n_u × N) the plan, within its bounds; no column where there is no plan
   double solve_time_s;
+  Eigen::MatrixXd x_desired;  // (n_x × N+1)
+  std::size_t costs = 0;      // which of them
 };
 
 /// What its decisions have in common.
 struct Decisions {
   std::string name;
   c3::Sizes sizes;
-  c3::Costs costs;
+  std::vector<c3::Costs> costs;
   c3::Constraints constraints;
-  Eigen::MatrixXd x_desired;  // (n_x × N+1)
   std::vector<Decision> all;
 
   /// @param index of the decision; this outlives the problem
   horizon::Problem problem(std::size_t index) const;
-  /// What follows from its inputs by the planning system itself, with its cost (14); nothing where
-  /// there is no plan or that cannot be said. It need not meet the constraints.
-  std::optional<horizon::Plan> simulated(std::size_t index) const;
+  /// What follows from inputs by the planning system itself, with its cost (14); nothing where
+  /// that cannot be said. It need not meet the constraints.
+  /// @param u (n_u × N), or no column where there is no plan
+  std::optional<horizon::Plan> simulated(std::size_t index, const Eigen::MatrixXd& u) const;
 };
 
 /// Of Algorithm 1 on a problem file, whatever method the file names.

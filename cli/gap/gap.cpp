@@ -13,7 +13,9 @@
 
 #include "cli/exit_status.hpp"
 #include "cli/gap/decisions.hpp"
+#include "cli/gap/recorded.hpp"
 #include "cli/paths.hpp"
+#include "cli/recorded.hpp"
 #include "cli/report/gnuplot.hpp"
 #include "cli/report/text_table.hpp"
 #include "controller/base/quantile.hpp"
@@ -32,17 +34,25 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// One plan beside the optimum.
 struct Row {
-  double t;        // [s]
-  double cost;     // of the plan, simulated; NaN where there is none
-  bool meets;      // it meets the constraints
-  double optimum;  // the best that is known; NaN where no plan meets the constraints
-  double bound;    // no plan costs less
-  bool proven;     // optimum and bound differ by no more than was asked for
+  double t;                  // [s]
+  double cost;               // of the plan, simulated; NaN where there is none
+  bool meets;                // it meets the constraints
+  double optimum;            // the best that is known; NaN where no plan meets the constraints
+  double optimum_simulated;  // cost of its inputs, simulated as the plan's are
+  double bound;              // no plan costs less
+  bool proven;               // optimum and bound differ by no more than was asked for
   double solve_time_s, search_time_s;
   long nodes;
+  std::vector<std::pair<double, double>> others;  // of other planners: cost, time of the solve [s]
 
   /// Of the cost, above what is proven: at most so much too much. NaN where one is missing.
   double above() const { return cost / (proven ? optimum : bound) - 1.0; }
+};
+
+/// All that is looked at.
+struct Work {
+  Decisions decisions;
+  std::vector<std::vector<Answer>> others;  // of each of the planners, one for each decision
 };
 
 /// Ends a search at its limit, or when a person wants.
@@ -55,46 +65,62 @@ struct Limit {
   }
 };
 
-Row search(const Decisions& decisions, std::size_t index, const Settings& settings,
-           const Stop& stop) {
+Row search(const Work& work, std::size_t index, const Settings& settings, const Stop& stop) {
+  const Decisions& decisions = work.decisions;
   const Clock::time_point start = Clock::now();
   Limit limit{start + std::chrono::duration_cast<Clock::duration>(
                           std::chrono::duration<double>(settings.limit_s)),
               &stop};
   const horizon::Problem problem = decisions.problem(index);
-  const std::optional<horizon::Plan> plan = decisions.simulated(index);
+  const std::optional<horizon::Plan> plan = decisions.simulated(index, decisions.all[index].u);
   // the plan's own modes, made the best of: where the search begins
   std::optional<horizon::Plan> known;
   if (plan) known = horizon::solve_modes(problem, horizon::modes(problem, *plan));
   const horizon::SearchResult found =
       horizon::search(problem, {std::numeric_limits<long>::max(), settings.relative_gap}, known,
                       {&Limit::reached, &limit});
+  const double search_time_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const auto cost_of = [&](const Eigen::MatrixXd& u) {
+    const std::optional<horizon::Plan> came = decisions.simulated(index, u);
+    return came ? came->objective : kNone;
+  };
+  std::vector<std::pair<double, double>> others;
+  for (const std::vector<Answer>& answers : work.others)
+    others.emplace_back(cost_of(answers[index].u), answers[index].solve_time_s);
   return {decisions.all[index].t,
           plan ? plan->objective : kNone,
           plan && horizon::residual(problem, *plan) <= kMeets,
           found.plan ? found.plan->objective : kNone,
+          found.plan ? cost_of(found.plan->u) : kNone,
           found.lower_bound,
           found.is_proven(),
           decisions.all[index].solve_time_s,
-          std::chrono::duration<double>(Clock::now() - start).count(),
-          found.nodes};
+          search_time_s,
+          found.nodes,
+          others};
 }
 
 ordered_json number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json();
 }
 
-ordered_json to_json(const Row& row) {
-  return {{"time_s", row.t},
-          {"cost", number(row.cost)},
-          {"meets_constraints", row.meets},
-          {"optimum", number(row.optimum)},
-          {"lower_bound", number(row.bound)},
-          {"proven", row.proven},
-          {"above", number(row.above())},
-          {"solve_time_s", row.solve_time_s},
-          {"search_time_s", row.search_time_s},
-          {"nodes", row.nodes}};
+ordered_json to_json(const Row& row, const std::vector<std::string>& planners) {
+  ordered_json json{{"time_s", row.t},
+                    {"cost", number(row.cost)},
+                    {"meets_constraints", row.meets},
+                    {"optimum", number(row.optimum)},
+                    {"optimum_simulated", number(row.optimum_simulated)},
+                    {"lower_bound", number(row.bound)},
+                    {"proven", row.proven},
+                    {"above", number(row.above())},
+                    {"solve_time_s", row.solve_time_s},
+                    {"search_time_s", row.search_time_s},
+                    {"nodes", row.nodes}};
+  for (std::size_t i = 0; i < planners.size(); ++i) {
+    json["planners"][planners[i]] = {{"cost", number(row.others[i].first)},
+                                     {"solve_time_s", row.others[i].second}};
+  }
+  return json;
 }
 
 std::string percent(double share) { return shown(100.0 * share, 3) + " %"; }
@@ -129,29 +155,54 @@ std::string one_problem(const Row& row) {
                      row.optimum, row.bound, percent(row.above()));
 }
 
-Decisions decisions_of(const Settings& settings, const Stop& stop) {
+Work of_recording(const Settings& settings) {
+  const std::string& file = settings.what;
+  Listener nobody;
+  Contents contents;
+  try {
+    contents = play(file, nobody);
+  } catch (const mcap::Error& error) {
+    throw UsageError(error.what());
+  }
+  config::Scenario scenario = scenario_of(contents, file, "", settings.overrides);
+  scenario.planner.c3.polish = settings.polish.value_or(scenario.planner.c3.polish);
+  std::vector<config::Scenario> planners;
+  for (const std::string& name : settings.planners)
+    planners.push_back(config::load_scenario(scenario_path(name).string(), {}));
+  const std::vector<Question> asked = questions(file, scenario, settings.states);
+  Work work{of_questions(asked, scenario), {}};
+  for (const config::Scenario& planner : planners) work.others.push_back(answers(asked, planner));
+  return work;
+}
+
+Work work_of(const Settings& settings, const Stop& stop) {
   const fs::path file = settings.what;
+  if (file.extension() == ".mcap") return of_recording(settings);
+  if (!settings.planners.empty())
+    throw UsageError("--planner: of a recording (.mcap), got " + settings.what);
   if (file.extension() == ".json") {
     if (!settings.overrides.empty())
       throw UsageError("--set: a problem file has its settings in params, " + settings.what);
     config::ProblemFile problem = config::load_problem(settings.what);
     problem.settings.polish = settings.polish.value_or(problem.settings.polish);
-    return of_problem(problem, file.stem().string());
+    return {of_problem(problem, file.stem().string()), {}};
   }
   const fs::path scenario = scenario_path(settings.what);
   if (!is_example(scenario)) {
-    throw UsageError("expected a problem file (.json) or a numerical example, got " +
-                     settings.what + ", whose planner is no example");
+    throw UsageError(
+        "expected a problem file (.json), a recording (.mcap) or a numerical example, got " +
+        settings.what + ", whose planner is no example");
   }
   ExampleScenario example = load_example(scenario, settings.overrides);
   example.experiment.c3.polish = settings.polish.value_or(example.experiment.c3.polish);
-  return of_example(example, settings.seed, settings.states, stop);
+  return {of_example(example, settings.seed, settings.states, stop), {}};
 }
 
 }  // namespace
 
 int run(const Settings& settings, const Stop& stop) {
-  const Decisions decisions = decisions_of(settings, stop);
+  const Work work = work_of(settings, stop);
+  const Decisions& decisions = work.decisions;
   const fs::path folder = make_folder(
       settings.out.empty() ? fs::path("out") / ("gap-" + decisions.name) : fs::path(settings.out));
   fmt::print("c3rt gap {}: {} plans, an exact search of at most {:g} s each, in {}\n",
@@ -163,12 +214,12 @@ int run(const Settings& settings, const Stop& stop) {
     while (rows.size() < decisions.all.size() && !stop()) {
       progress.update(static_cast<double>(rows.size()) / static_cast<double>(decisions.all.size()),
                       fmt::format("plan {} of {}", rows.size() + 1, decisions.all.size()));
-      const Row row = search(decisions, rows.size(), settings, stop);
+      const Row row = search(work, rows.size(), settings, stop);
       if (!stop()) rows.push_back(row);
     }
   }
   ordered_json states = ordered_json::array();
-  for (const Row& row : rows) states.push_back(to_json(row));
+  for (const Row& row : rows) states.push_back(to_json(row, settings.planners));
   const bool complete = rows.size() == decisions.all.size();
   const auto proven =
       std::count_if(rows.begin(), rows.end(), [](const Row& r) { return r.proven; });

@@ -10,11 +10,13 @@
 namespace c3rt::cli::gap {
 
 struct Settings {
-  std::string what;                    // a problem file, or a numerical example's name or file
-  std::vector<std::string> overrides;  // of the example: "c3.rho=0.5"
+  // a problem file, a numerical example's name or file, or a recording
+  std::string what;
+  std::vector<std::string> overrides;  // of the example or the recording's scenario: "c3.rho=0.5"
+  std::vector<std::string> planners;   // of a recording: scenarios whose planners answer, too
   std::optional<int> polish;           // c3.polish in place of what scenario or problem say
   std::uint64_t seed = 1;              // of the example
-  int states = 40;                     // control steps of it
+  int states = 40;                     // control steps of it, or plans of the recording
   double limit_s = 60.0;               // for each exact search
   double relative_gap = 1e-3;          // that counts as the optimum
   std::string out;                     // folder; empty: out/gap-NAME

@@ -118,7 +118,7 @@ example::Trajectory run_loop(const Context& context, const std::string& title,
 ordered_json loop_figures(const example::Experiment& experiment,
                           const example::Trajectory& trajectory,
                           const std::vector<double>& solve_times) {
-  const Trial trial = summarise(trajectory);
+  const Trial trial = summarise(experiment, trajectory);
   const Spread times = spread(solve_times);
   return {{"accumulated_cost", number(trial.accumulated_cost)},
           {"mean_cost_to_go", number(trial.mean_cost_to_go)},

@@ -67,7 +67,7 @@ TEST_CASE("the report of an example has exactly the keys that other programs rea
                               "solve_time_s", "trials"});
   REQUIRE(keys(json["trials"][0]) == Names{"succeeded", "accumulated_cost", "mean_cost_to_go",
                                            "plans_not_rolled_out", "controller_failures",
-                                           "plant_failed", "final_state"});
+                                           "plant_failed", "overshoot", "final_state"});
   CHECK(keys(json["criteria"][0]) == Names{"name", "value", "limit", "met"});
   CHECK(keys(json["solve_time_s"]) == Names{"p50", "p95", "p99", "max"});
   CHECK(json["seed"] == 4);
@@ -80,7 +80,7 @@ TEST_CASE("the success rate counts trials, and a criterion is met at its limit")
   ExampleScenario cart_pole = scenario("cart_pole");
   cart_pole.criteria = {{"success_rate", 0.75, {}}, {"accumulated_cost", {}, 2.4}};
   TrialsResult result;
-  const Trial success{true, 1.0, 3.0, 0, 0, false, Eigen::Vector4d::Zero()};
+  const Trial success{true, 1.0, 3.0, 0, 0, false, 0.0, Eigen::Vector4d::Zero()};
   Trial failure = success;
   failure.succeeded = false;
   failure.accumulated_cost = 7.0;
