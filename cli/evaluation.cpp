@@ -40,6 +40,19 @@ std::string python_with(const std::string& wanted, const Packages& packages) {
                   wanted, what, fmt::join(candidates, ", "), how));
 }
 
+/// Becomes `python -m c3rt.evaluation COMMAND ORDER`, with the package of this program's sources or
+/// installation first in PYTHONPATH.
+[[noreturn]] void become_evaluation(const std::string& python, const std::string& command,
+                                    const ordered_json& order) {
+  // beside the scenarios, in the sources and where it is installed
+  std::string path = (config::directory().parent_path() / "python").string();
+  const char* others = std::getenv("PYTHONPATH");
+  if (others != nullptr && *others != '\0') path += std::string(":") + others;
+  setenv("PYTHONPATH", path.c_str(), 1);
+  // what is installed stays as it was installed
+  become_program({python, "-B", "-m", "c3rt.evaluation", command, order.dump()});
+}
+
 ordered_json order_of(const EngineSettings& settings) {
   return {{"program", (binary_directory() / "c3rt").string()},
           {"duration", settings.duration ? ordered_json(*settings.duration) : ordered_json()},
@@ -54,22 +67,37 @@ ordered_json order_of(const EngineSettings& settings) {
                          Packages packages, const ordered_json& order) {
   const bool on_dask = settings.engine == "dask";
   if (on_dask) packages.emplace_back("distributed");
-  become_program(
-      evaluation_words(on_dask ? "--engine dask" : "c3rt " + command, packages, command, order));
+  become_evaluation(python_with(on_dask ? "--engine dask" : "c3rt " + command, packages), command,
+                    order);
+}
+
+/// One that draws where there is one; without pictures there are still the numbers.
+std::string python_for_figures() {
+  try {
+    return python_with("c3rt reproduce", {"matplotlib"});
+  } catch (const UsageError&) {
+    return python_with("c3rt reproduce", {});
+  }
 }
 
 }  // namespace
 
-Packages evaluation_words(const std::string& wanted, const Packages& packages,
-                          const std::string& command, const ordered_json& order) {
-  const std::string python = python_with(wanted, packages);
-  // beside the scenarios, in the sources and where it is installed
-  std::string path = (config::directory().parent_path() / "python").string();
-  const char* others = std::getenv("PYTHONPATH");
-  if (others != nullptr && *others != '\0') path += std::string(":") + others;
-  setenv("PYTHONPATH", path.c_str(), 1);
-  // what is installed stays as it was installed
-  return {python, "-B", "-m", "c3rt.evaluation", command, order.dump()};
+const std::vector<std::string>& reproduced() {
+  static const std::vector<std::string> names{"comparison",    "fig11",  "fig14",  "fig16", "fig17",
+                                              "fig18",         "fig3",   "fig5",   "fig7",  "fig8",
+                                              "push_anything", "table1", "table2", "table3"};
+  return names;
+}
+
+void reproduce(const ReproduceSettings& settings) {
+  become_evaluation(python_for_figures(), "reproduce",
+                    {{"program", (binary_directory() / "c3rt").string()},
+                     {"what", settings.what},
+                     {"out", settings.out},
+                     {"quick", settings.quick},
+                     {"fresh", settings.fresh},
+                     {"seeds", settings.seeds},
+                     {"miqp_limit", settings.miqp_limit}});
 }
 
 void campaign(const CampaignSettings& settings) {

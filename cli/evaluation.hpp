@@ -1,12 +1,10 @@
 #pragma once
-// The Python package c3rt.evaluation, which makes many runs: campaigns, searches, the runs behind
+// The Python package c3rt.evaluation, which makes many runs: campaigns, searches, tables and
 // figures.
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 namespace c3rt::cli {
 
@@ -43,19 +41,22 @@ struct TuneSettings : EngineSettings {
   std::string out;  // empty: out/tune-SCENARIO
 };
 
+/// Tables and figures of the paper, our numbers beside its own.
+struct ReproduceSettings {
+  std::string what;            // of reproduced()
+  std::string out;             // empty: out/reproduce
+  bool quick = false;          // short runs: for a look, not for numbers
+  bool fresh = false;          // makes every run anew
+  std::string seeds = "1..5";  // of comparison and push_anything
+  double miqp_limit = 15.0;    // of one monolithic MIQP [s]
+};
+/// Their names, as the package has them.
+const std::vector<std::string>& reproduced();
+
 /// Become the package's programs, whose exit status is the command's.
 /// @throws UsageError where there is no Python that has what they need
 [[noreturn]] void campaign(const CampaignSettings& settings);
 [[noreturn]] void tune(const TuneSettings& settings);
-
-/// `python -m c3rt.evaluation COMMAND ORDER` by C3RT_PYTHON, the Python of the PATH or Debian's,
-/// with the package of this program's sources or installation first in PYTHONPATH, which is set for
-/// that.
-/// @param wanted by whom, for the message: "--engine dask" @param packages that it has to have
-/// @throws UsageError naming which Pythons were looked at
-std::vector<std::string> evaluation_words(const std::string& wanted,
-                                          const std::vector<std::string>& packages,
-                                          const std::string& command,
-                                          const nlohmann::ordered_json& order);
+[[noreturn]] void reproduce(const ReproduceSettings& settings);
 
 }  // namespace c3rt::cli

@@ -1,5 +1,5 @@
 #pragma once
-// The options of c3rt campaign and c3rt tune.
+// The options of c3rt campaign, c3rt tune and c3rt reproduce.
 #include <limits>
 
 #include <CLI/CLI.hpp>
@@ -88,6 +88,23 @@ inline void add_options(CLI::App& command, TuneSettings& settings) {
       ->capture_default_str();
   command.add_option("--out", settings.out, "Folder of results; default: out/tune-SCENARIO");
   add_engine_options(command, settings, "the same command goes on where it was ended");
+}
+
+inline void add_options(CLI::App& command, ReproduceSettings& settings) {
+  command.add_option("what", settings.what, "Which table or figure")
+      ->required()
+      ->check(one_of(reproduced()));
+  command.add_option("--out", settings.out, "Folder of results; default: out/reproduce");
+  command.add_flag("--quick", settings.quick, "Short runs: for a look, not for numbers");
+  command.add_flag("--fresh", settings.fresh,
+                   "Computes everything anew; else what an earlier call finished with the same "
+                   "settings is kept");
+  command
+      .add_option("--seeds", settings.seeds, "Of comparison and push_anything: 1..20, or 1,5,9..12")
+      ->capture_default_str();
+  command.add_option("--miqp-limit", settings.miqp_limit, "Time limit of each monolithic MIQP [s]")
+      ->check(number(0.001, 86400.0))
+      ->capture_default_str();
 }
 
 }  // namespace c3rt::cli

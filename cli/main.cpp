@@ -35,7 +35,6 @@
 #include "cli/plan.hpp"
 #include "cli/record.hpp"
 #include "cli/replay/replay.hpp"
-#include "cli/reproduce/reproduce.hpp"
 #include "cli/ros.hpp"
 #include "cli/run.hpp"
 #include "cli/scenario.hpp"
@@ -728,26 +727,10 @@ class CommandLine {
   }
 
   void add_reproduce() {
-    CLI::App* reproduce = command(
-        app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
-        [this] { return cli::reproduce::reproduce(reproduce_, &wire::StopFlag::requested); });
-    reproduce->add_option("what", reproduce_.what, "Which table or figure")
-        ->required()
-        ->check(cli::one_of(cli::reproduce::names()));
-    reproduce->add_option("--out", reproduce_.out, "Folder of results; default: out/reproduce");
-    reproduce->add_flag("--quick", reproduce_.quick, "Short runs: for a look, not for numbers");
-    reproduce->add_flag("--fresh", reproduce_.fresh,
-                        "Computes everything anew; else what an earlier call finished with the "
-                        "same settings is kept");
-    reproduce
-        ->add_option("--seeds", reproduce_.seeds,
-                     "Of comparison and push_anything: 1..20, or 1,5,9..12")
-        ->capture_default_str();
-    reproduce
-        ->add_option("--miqp-limit", reproduce_.miqp_limit,
-                     "Time limit of each monolithic MIQP [s]")
-        ->check(cli::number(0.001, kLongest))
-        ->capture_default_str();
+    cli::add_options(
+        *command(app_, "reproduce", "Tables and figures of the paper, our numbers beside its own",
+                 [this]() -> int { cli::reproduce(reproduce_); }),
+        reproduce_);
   }
 
   void add_library() {
@@ -892,7 +875,7 @@ class CommandLine {
   cli::CampaignSettings campaign_;
   cli::TuneSettings tune_;
   cli::gap::Settings gap_;
-  cli::reproduce::Settings reproduce_;
+  cli::ReproduceSettings reproduce_;
   cli::Seat seat_;
   cli::doctor::Settings doctor_;
   cli::latency::Settings latency_;

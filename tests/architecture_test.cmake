@@ -48,8 +48,6 @@ may(idl/client idl controller/base controller/rt controller/task)
 may(cli/report cli controller/base controller/task plant_emulator)
 may(cli/example cli cli/report controller/lcs controller/c3 controller/horizon controller/example controller/model plant_emulator)
 may(cli/gap cli cli/report cli/recording cli/example config idl controller/base controller/scene controller/lcs controller/horizon controller/planner)
-may(cli/reproduce cli cli/report cli/recording cli/example config idl controller/base controller/scene controller/lcs
-    controller/c3 controller/horizon controller/example controller/model controller/planner)
 may(cli/recording cli cli/report controller/base idl)
 may(cli/mesh controller/scene)
 may(cli/invariants cli/report controller/base controller/task idl plant_emulator)
@@ -59,7 +57,7 @@ may(cli/replay cli cli/recording config idl controller/base controller/rt plant_
 may(cli/keys cli idl)
 may(cli/doctor cli cli/keys config idl idl/client)
 may(cli/latency cli cli/report cli/example config idl controller/base controller/rt plant_emulator)
-may(cli cli/report cli/recording cli/example cli/gap cli/reproduce cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos cli/replay config idl idl/client controller/base controller/rt controller/task
+may(cli cli/report cli/recording cli/example cli/gap cli/mesh cli/keys cli/doctor cli/latency cli/soak cli/chaos cli/replay config idl idl/client controller/base controller/rt controller/task
     controller/horizon controller/planner plant_emulator)
 may(python cli cli/recording config controller/rt controller/scene controller/mjcf controller/lcs controller/c3 controller/model)
 

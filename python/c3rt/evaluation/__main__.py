@@ -11,14 +11,13 @@ from typing import Any, Callable, Dict
 
 from c3rt._shown import until_interrupted
 
-from . import campaign, groups, reproduce, tune
+from . import campaign, reproduce, tune
 from .status import PROCESS_FAILED, USAGE, UsageError, complain
 
 COMMANDS: Dict[str, Callable[[Dict[str, Any], Callable[[], bool]], int]] = {
     "campaign": lambda order, stop: campaign.run(campaign.Settings(**order), stop),
     "tune": lambda order, stop: tune.run(tune.Settings(**order), stop),
     "reproduce": lambda order, stop: reproduce.run(reproduce.Settings(**order), stop),
-    "groups": lambda order, stop: groups.run(groups.Settings(**order), stop),
 }
 
 

@@ -105,8 +105,27 @@ def run_here(program: str, jobs: Sequence[Job], at_once: int, watch: Watch) -> N
         _stop(running)
 
 
-def _start(program: str, index: int, job: Job) -> _Running:
-    log = job.folder / "run.log"
+def run_alone(words: Sequence[str], log: pathlib.Path, stop: Stop) -> int:
+    """Any program, whose words on standard output are in the log; what it says of its progress is seen.
+
+    Returns its exit status, PROCESS_FAILED where it was killed; at a wish to end it is ended.
+    """
+    with log.open("wb") as output:
+        process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=output, preexec_fn=_alone())
+    try:
+        while process.poll() is None and not stop():
+            time.sleep(LOOK_S)
+        if process.returncode is None:
+            process.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(GRACE_S)
+    finally:
+        process.kill()
+        process.wait()
+    return process.returncode if process.returncode >= 0 else PROCESS_FAILED
+
+
+def _alone() -> Callable[[], None]:
     parent = os.getpid()
 
     def alone() -> None:
@@ -116,9 +135,14 @@ def _start(program: str, index: int, job: Job) -> _Running:
             os._exit(127)
         os.setpgid(0, 0)
 
+    return alone
+
+
+def _start(program: str, index: int, job: Job) -> _Running:
+    log = job.folder / "run.log"
     with log.open("wb") as output:
         process = subprocess.Popen([program, "run", job.scenario, *job.words, f"--out={job.folder}"],
-                                   stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, preexec_fn=alone)
+                                   stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, preexec_fn=_alone())
     return _Running(index, job, log, process, time.monotonic())
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import pathlib
 from dataclasses import dataclass, field
-from typing import Any, Dict, Iterator, List, Optional, Sequence
+from typing import Iterator, List, Optional, Sequence
 
 from .engine import Stop
-from .files import make_folder, write_text
-from .runs import EngineSettings, RunResult, RunSpec, replay_command, run_all, run_settings
+from .files import make_folder
+from .runs import EngineSettings, RunResult, RunSpec, run_all, run_settings
 from .seeds import parse_seeds
-from .status import CRITERION_FAILED, DONE, PROCESS_FAILED, complain, say
-from .summary import summarise, to_json
+from .status import say
 
 
 class Interrupted(Exception):
@@ -28,11 +26,13 @@ class Group:
     duration: Optional[float] = None  # [s]; None: the scenario's
     logs: bool = False
     in_process: bool = False
+    options: List[str] = field(default_factory=list)  # of c3rt run
 
     def specs(self) -> Iterator[RunSpec]:
         for seed in parse_seeds(self.seeds) if self.seeds else [1]:
             name = f"{self.name}-{seed:04}" if self.seeds else self.name
-            yield RunSpec(name, self.scenario, seed, self.overrides, self.duration, self.logs, in_process=self.in_process)
+            yield RunSpec(name, self.scenario, seed, self.overrides, self.duration, self.logs, in_process=self.in_process,
+                          options=self.options)
 
 
 def make_groups(groups: Sequence[Group], settings: EngineSettings, folder: pathlib.Path, title: str,
@@ -53,34 +53,3 @@ def make_groups(groups: Sequence[Group], settings: EngineSettings, folder: pathl
             raise RuntimeError(result.failure)
     rest = iter(results)
     return [[next(rest) for _ in several] for several in specs]
-
-
-@dataclass(frozen=True)
-class Settings(EngineSettings):
-    folder: str = ""
-    title: str = ""
-    groups: List[Dict[str, Any]] = field(default_factory=list)  # of Group
-    answer: str = ""  # file of the results
-
-
-def run(settings: Settings, stop: Stop) -> int:
-    """Makes the runs and writes, of each group in their order, its summary and its runs.
-
-    Returns DONE, CRITERION_FAILED where it was interrupted, PROCESS_FAILED where a run has no report, which has been said.
-    """
-    groups = [Group(**group) for group in settings.groups]
-    try:
-        results = make_groups(groups, settings, pathlib.Path(settings.folder), settings.title, stop)
-    except Interrupted:
-        return CRITERION_FAILED
-    except RuntimeError as error:
-        complain(error)
-        return PROCESS_FAILED
-    write_text(pathlib.Path(settings.answer), json.dumps([_json(of_group) for of_group in results], ensure_ascii=False))
-    return DONE
-
-
-def _json(results: Sequence[RunResult]) -> Dict[str, Any]:
-    runs = [{"folder": str(result.folder), "report": result.report, "command": replay_command(result.spec)}
-            for result in results]
-    return {"summary": to_json(summarise(results), results), "runs": runs}

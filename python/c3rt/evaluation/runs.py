@@ -33,6 +33,7 @@ class RunSpec:
     logs: bool = False  # run.mcap, too
     pictures: bool = False
     in_process: bool = False  # in one process, without DDS; else with four processes
+    options: List[str] = field(default_factory=list)  # of c3rt run, what else there is: "--exact=15"
     is_example: bool = False  # a numerical example; run_all fills it in
 
 
@@ -120,13 +121,14 @@ def replay_command(spec: RunSpec) -> str:
     text = f"c3rt run {spec.scenario}{how} --seed {spec.seed}"
     if spec.duration is not None:
         text += f" --duration {shortest(spec.duration)}"
+    text += "".join(f" {option.replace('=', ' ', 1)}" for option in spec.options)
     for assignment in spec.overrides:
         text += f" --set {assignment}" if SHELL_WORDS.isdisjoint(assignment) else f" --set '{assignment}'"
     return text
 
 
 def _plans(specs: Sequence[RunSpec], program: str, folder: pathlib.Path) -> List[_Plan]:
-    programs = _hash_of_programs(program)
+    programs = hash_of_programs(program)
 
     @functools.lru_cache(maxsize=None)
     def read(scenario: str, *overrides: str) -> Scenario:
@@ -146,7 +148,7 @@ def _plans(specs: Sequence[RunSpec], program: str, folder: pathlib.Path) -> List
         key = {
             "scenario": hash_of(scenario.own_text.encode()), "files": hash_of_named(*scenario.files),
             "overrides": _overrides(spec), "seed": spec.seed, "logs": spec.logs, "pictures": spec.pictures,
-            "in_process": spec.in_process, "programs": programs,
+            "in_process": spec.in_process, "options": spec.options, "programs": programs,
         }
         place = folder.absolute() / spec.name
         job = Job(spec.name, scenario.file, scenario.own_text, _words(spec), place)
@@ -168,17 +170,17 @@ def _words(spec: RunSpec) -> List[str]:
         words += ["--in-process"] if spec.in_process else ["--clock=lockstep", "--domain=any"]
         words += [] if spec.logs else ["--no-logs"]
         words += [] if spec.pictures else ["--no-pictures"]
-    return words + [f"--set={assignment}" for assignment in _overrides(spec)]
+    return words + spec.options + [f"--set={assignment}" for assignment in _overrides(spec)]
 
 
-def _hash_of_programs(program: str) -> str:
+def hash_of_programs(program: str) -> str:
     """What the programs are: another build may answer otherwise though its version is the same."""
     processes = pathlib.Path(os.environ.get("C3RT_PROCESS_DIRECTORY") or pathlib.Path(program).parent)
     files = [pathlib.Path(program)] + [processes / f"c3rt-{name}" for name in ("plant", "impedance", "planner", "vision")]
     return hash_of("".join(hash_of(read_bytes(file)) for file in files).encode())
 
 
-def _read_json(file: pathlib.Path) -> Dict[str, Any]:
+def read_json(file: pathlib.Path) -> Dict[str, Any]:
     """An object of JSON; an empty one where there is none."""
     with contextlib.suppress(ValueError):
         value = json.loads(read_bytes(file))
@@ -189,7 +191,7 @@ def _read_json(file: pathlib.Path) -> Dict[str, Any]:
 def _take_kept(plan: _Plan) -> bool:
     """Takes the run of an earlier call where it is the same."""
     result = plan.result
-    note, report = _read_json(result.folder / "run.json"), _read_json(result.folder / "report.json")
+    note, report = read_json(result.folder / "run.json"), read_json(result.folder / "report.json")
     if note.get("key") != plan.key or not report:
         return False
     result.status, result.wall_s, result.report, result.kept = note["status"], note["wall_s"], report, True
@@ -209,7 +211,7 @@ def _finish(plan: _Plan, end: JobEnd) -> None:
     if end.status not in (DONE, CRITERION_FAILED):
         result.status = PROCESS_FAILED
         return
-    report = _read_json(result.folder / "report.json")
+    report = read_json(result.folder / "report.json")
     if not report:
         result.status, result.failure = PROCESS_FAILED, f"{plan.job.name}: no report.json in {result.folder}"
     elif report.get("result") == "interrupted":

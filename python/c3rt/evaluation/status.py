@@ -11,6 +11,7 @@ DONE = 0  # and the criteria are met
 CRITERION_FAILED = 1  # it ran, but a criterion failed
 USAGE = 2  # the call or the scenario is wrong
 PROCESS_FAILED = 3  # a process failed; it has been named
+UNDECIDED = 4  # ended by a limit or by rounding before it had an answer
 
 
 class UsageError(Exception):

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass, field
 from typing import List, Sequence
 
-from .groups import Group
-from .reproduction import Reproduction, tell_table
-from .runs import RunResult
-from .statistics import is_number, quantile, wilson
-from .status import DONE
-from .text_table import shown
+from ..groups import Group
+from ..reproduction import Reproduction, tell_table
+from ..runs import RunResult
+from ..statistics import is_number, quantile, wilson
+from ..status import DONE
+from ..text_table import shown
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""The tables and figures of `c3rt reproduce`: one function each, of a Reproduction."""
