@@ -46,7 +46,10 @@ struct Row {
   std::vector<std::pair<double, double>> others;  // of other planners: cost, time of the solve [s]
 
   /// Of the cost, above what is proven: at most so much too much. NaN where one is missing.
-  double above() const { return cost / (proven ? optimum : bound) - 1.0; }
+  double above() const { return above(cost); }
+  double above(double another_cost) const {
+    return another_cost / (proven ? optimum : bound) - 1.0;
+  }
 };
 
 /// All that is looked at.
@@ -126,13 +129,33 @@ ordered_json to_json(const Row& row, const std::vector<std::string>& planners) {
 std::string percent(double share) { return shown(100.0 * share, 3) + " %"; }
 
 /// Of the plans that have a figure, sorted.
-std::vector<double> figures(const std::vector<Row>& rows) {
+template <typename Above>
+std::vector<double> figures(const std::vector<Row>& rows, Above above) {
   std::vector<double> all;
   for (const Row& row : rows) {
-    if (std::isfinite(row.above())) all.push_back(row.above());
+    if (std::isfinite(above(row))) all.push_back(above(row));
   }
   std::sort(all.begin(), all.end());
   return all;
+}
+std::vector<double> figures(const std::vector<Row>& rows) {
+  return figures(rows, [](const Row& row) { return row.above(); });
+}
+
+/// @param above sorted
+std::vector<std::string> table_row(const std::string& name, const std::vector<double>& above) {
+  if (above.empty()) return {name, "-", "-", "-"};
+  return {name, percent(base::quantile_linear(above, 0.5)),
+          percent(base::quantile_linear(above, 0.9)), percent(above.back())};
+}
+
+Rows table(const std::vector<Row>& rows, const std::vector<std::string>& planners) {
+  Rows table{{"", "median", "90 %", "worst"}, table_row("above the optimum", figures(rows))};
+  for (std::size_t i = 0; i < planners.size(); ++i) {
+    const auto above = [i](const Row& row) { return row.above(row.others[i].first); };
+    table.push_back(table_row("by " + fs::path(planners[i]).stem().string(), figures(rows, above)));
+  }
+  return table;
 }
 
 std::string picture(const Decisions& decisions, const std::vector<Row>& rows) {
@@ -248,10 +271,7 @@ int run(const Settings& settings, const Stop& stop) {
     fmt::print("  {}\n", one_problem(rows.front()));
   } else {
     const std::string missing = gnuplot::draw(folder / "gap.png", picture(decisions, rows));
-    fmt::print("\n{}\n",
-               text_table({{"", "median", "90 %", "worst"},
-                           {"above the optimum", percent(base::quantile_linear(above, 0.5)),
-                            percent(base::quantile_linear(above, 0.9)), percent(above.back())}}));
+    fmt::print("\n{}\n", text_table(table(rows, settings.planners)));
     if (!missing.empty()) fmt::print(stderr, "c3rt: no picture: {}\n", missing);
   }
   if (above.size() < rows.size())

@@ -165,6 +165,8 @@ class Reproduce(unittest.TestCase):
         results = self.results("comparison")
         self.assertEqual(results["circle_slow"]["plus"]["scenario"], "circle_slow_plus")
         self.assertEqual(results["circle_slow"]["lcp"]["overrides"], ["planner.c3.projection=lcp"])
+        # the command that was asked for it shows the same
+        self.says((self.folder / "runs/comparison-gap/call.log").read_text(), "above the optimum", "by convex", "by plus")
         opened = results["open_loop"]
         optimum = opened["(15), exact search, 0.2 s"]["costs"]
         for label in ("C3, exact MIQP", "C3, ADMM", "C3, convex", "C3+"):
