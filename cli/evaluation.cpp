@@ -2,12 +2,11 @@
 
 #include <cstdlib>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
-#include "config/directory.hpp"
+#include "cli/python.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -15,40 +14,19 @@ namespace {
 using nlohmann::ordered_json;
 using Packages = std::vector<std::string>;
 
-constexpr double kImport = 60.0;  // of packages, from a cold disk [s]
-
-/// A Python that has the packages: C3RT_PYTHON, that of the PATH, or Debian's.
-/// @param wanted by whom, for the message @throws UsageError naming which were looked at
+/// One that has the packages. @param wanted by whom, for the message
+/// @throws UsageError naming which were looked at
 std::string python_with(const std::string& wanted, const Packages& packages) {
-  const char* chosen = std::getenv("C3RT_PYTHON");
-  std::vector<std::string> candidates{"python3", "/usr/bin/python3"};
-  if (chosen != nullptr) candidates = {chosen};
-  std::string imports;
-  for (const std::string& package : packages) imports += "import " + package + "\n";
-  for (const std::string& candidate : candidates) {
-    if (run_program({candidate, "-c", imports}, "", kImport).ok()) return candidate;
-  }
-  const std::string what =
-      packages.empty() ? "" : fmt::format(" with the package {}", fmt::join(packages, " and "));
-  const std::string how =
-      packages.empty() ? "Debian: python3"
-                       : fmt::format("Debian: python3-{}; pip: {}",
-                                     fmt::join(packages, " python3-"), fmt::join(packages, " "));
-  throw UsageError(
-      fmt::format("{}: no Python{} (looked at: {}); install it ({}) or name a Python that has it "
-                  "in C3RT_PYTHON",
-                  wanted, what, fmt::join(candidates, ", "), how));
+  const FoundPython python = find_python(packages);
+  if (python.program.empty()) throw UsageError(wanted + ": " + python.missing);
+  return python.program;
 }
 
 /// Becomes `python -m c3rt.evaluation COMMAND ORDER`, with the package of this program's sources or
 /// installation first in PYTHONPATH.
 [[noreturn]] void become_evaluation(const std::string& python, const std::string& command,
                                     const ordered_json& order) {
-  // beside the scenarios, in the sources and where it is installed
-  std::string path = (config::directory().parent_path() / "python").string();
-  const char* others = std::getenv("PYTHONPATH");
-  if (others != nullptr && *others != '\0') path += std::string(":") + others;
-  setenv("PYTHONPATH", path.c_str(), 1);
+  setenv("PYTHONPATH", package_path().c_str(), 1);
   // what is installed stays as it was installed
   become_program({python, "-B", "-m", "c3rt.evaluation", command, order.dump()});
 }
@@ -73,11 +51,8 @@ ordered_json order_of(const EngineSettings& settings) {
 
 /// One that draws where there is one; without pictures there are still the numbers.
 std::string python_for_figures() {
-  try {
-    return python_with("c3rt reproduce", {"matplotlib"});
-  } catch (const UsageError&) {
-    return python_with("c3rt reproduce", {});
-  }
+  const FoundPython draws = find_python({"matplotlib"});
+  return draws.program.empty() ? python_with("c3rt reproduce", {}) : draws.program;
 }
 
 }  // namespace

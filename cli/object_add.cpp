@@ -17,7 +17,6 @@
 #include "cli/millimetres.hpp"
 #include "cli/object_picture.hpp"
 #include "cli/paths.hpp"
-#include "cli/report/gnuplot.hpp"
 #include "controller/mjcf/object.hpp"
 #include "controller/model/support_points.hpp"
 #include "controller/scene/object.hpp"
@@ -328,8 +327,7 @@ int add_object(const ObjectAddSettings& settings) {
                    : fmt::format(" to {}", settings.first_tag + static_cast<int>(tags.size()) - 1));
   }
   if (settings.picture) {
-    const std::string missing =
-        gnuplot::missing(picture.filename().string(), draw_object(picture, looks));
+    const std::string missing = draw_object(picture, looks);
     if (!missing.empty()) added.notes.push_back(missing);
   }
   if (!added.notes.empty()) fmt::print("mind\n");

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/millimetres.hpp"
-#include "cli/report/gnuplot.hpp"
+#include "cli/report/figure.hpp"
 #include "controller/planner/strategy/surface_samples.hpp"
 #include "controller/scene/shape.hpp"
 
@@ -35,9 +35,14 @@ class View {
     up_ = eye_.cross(right_);
   }
   const Vector3d& eye() const { return eye_; }
-  std::string at(const Vector3d& point) const {
-    return fmt::format("{:.4f} {:.4f}\n", right_.dot(point) / kMillimetre,
-                       up_.dot(point) / kMillimetre);
+  /// In the picture [mm], a point a column.
+  Eigen::Matrix2Xd at(const std::vector<Vector3d>& points) const {
+    Eigen::Matrix2Xd all(2, points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      all.col(static_cast<Eigen::Index>(i)) =
+          Eigen::Vector2d(right_.dot(points[i]), up_.dot(points[i])) / kMillimetre;
+    }
+    return all;
   }
 
  private:
@@ -70,16 +75,16 @@ std::vector<Face> faces_of(const mesh::Triangles& piece) {
   return faces;
 }
 
-int colour_of(const Face& face, const Vector3d& eye) {
+std::string colour_of(const Face& face, const Vector3d& eye) {
   const double light = 0.55 + 0.45 * std::abs(face.normal.dot(eye));
   const Vector3d colour =
       can_be_pushed(face.normal) ? Vector3d(253, 174, 97) : Vector3d(200, 205, 210);
   const auto channel = [&](int i) { return static_cast<int>(light * colour[i]); };
-  return channel(0) << 16 | channel(1) << 8 | channel(2);
+  return fmt::format("#{:02x}{:02x}{:02x}", channel(0), channel(1), channel(2));
 }
 
-/// Blocks of outlines "x y", far ones first.
-std::string panel(const ObjectPicture& picture, bool above) {
+/// Far faces first.
+Panel panel(const ObjectPicture& picture, bool above) {
   const View view(above);
   std::vector<Face> faces;
   for (const mesh::Triangles& piece : picture.pieces) {
@@ -93,38 +98,35 @@ std::string panel(const ObjectPicture& picture, bool above) {
   };
   std::stable_sort(faces.begin(), faces.end(),
                    [&](const Face& a, const Face& b) { return nearness(a) < nearness(b); });
-  std::string plots, data;
-  const auto add = [&](const std::string& rows, const std::string& how) {
-    plots += (plots.empty() ? "plot '-' " : ", '-' ") + how;
-    data += rows + "e\n";
+  Panel panel{above ? "from above" : "from below", "", "", {}};
+  panel.equal = true;
+  panel.axes = false;
+  panel.legend_below = true;
+  const auto add = [&](const std::vector<Vector3d>& corners, const std::string& colour,
+                       const char* edge) {
+    const Eigen::Matrix2Xd outline = view.at(corners);
+    panel.polygons.push_back({"", colour, edge, outline.row(0), outline.row(1)});
   };
-  const auto outline = [&](const std::vector<Vector3d>& corners, const std::string& how) {
-    std::string rows;
-    for (const Vector3d& corner : corners) rows += view.at(corner);
-    rows += view.at(corners.front());
-    return add(rows, how);
+  const auto mark = [&](const char* name, const char* colour, const std::vector<Vector3d>& points) {
+    const Eigen::Matrix2Xd places = view.at(points);
+    Curve curve{name, colour, places.row(0), places.row(1), false, true, false};
+    curve.cross = above;
+    curve.mark_size = 8.0;
+    panel.curves.push_back(curve);
   };
-  for (const Face& face : faces) {
-    const int colour = colour_of(face, view.eye());
-    outline(face.corners, fmt::format("with filledcurves closed lc rgb 0x{:06x} notitle", colour));
-    outline(face.corners, "with lines lw 0.8 lc rgb '#404040' notitle");
-  }
+  for (const Face& face : faces) add(face.corners, colour_of(face, view.eye()), "#404040");
   if (above) {
     const double half = 0.5 * picture.tag_size;
     for (const Vector3d& tag : picture.tags) {
-      outline({tag + Vector3d(-half, -half, 0), tag + Vector3d(half, -half, 0),
-               tag + Vector3d(half, half, 0), tag + Vector3d(-half, half, 0)},
-              "with filledcurves closed lc rgb '#303030' notitle");
+      add({tag + Vector3d(-half, -half, 0), tag + Vector3d(half, -half, 0),
+           tag + Vector3d(half, half, 0), tag + Vector3d(-half, half, 0)},
+          "#303030", "");
     }
-    add(view.at(picture.com),
-        "with points pt 2 ps 1.6 lw 2 lc rgb '#2166ac' title 'centre of mass'");
+    mark("centre of mass", kBlue, {picture.com});
   } else {
-    std::string rows;
-    for (const Vector3d& point : picture.support) rows += view.at(point);
-    add(rows, "with points pt 7 ps 1.4 lc rgb '#b2182b' title 'stands on'");
+    mark("stands on", "#7b3294", picture.support);
   }
-  return fmt::format("set title {} noenhanced\n{}\n{}",
-                     gnuplot::quoted(above ? "from above" : "from below"), plots, data);
+  return panel;
 }
 
 }  // namespace
@@ -134,15 +136,12 @@ bool can_be_pushed(const Vector3d& normal) {
 }
 
 std::string draw_object(const std::filesystem::path& file, const ObjectPicture& picture) {
-  const std::string title = picture.name + ": orange can be pushed on, dark squares are tags";
-  return gnuplot::draw(
-      file,
-      gnuplot::terminal(kWidth, kHeight) +
-          fmt::format("set multiplot layout 1,2 title {} noenhanced\n", gnuplot::quoted(title)) +
-          "unset tics\nunset border\nunset grid\nset size ratio -1\nset offsets graph 0.05, graph "
-          "0.05, graph 0.05, graph 0.05\n"
-          "set key bottom right\n" +
-          panel(picture, true) + panel(picture, false) + "unset multiplot\n");
+  return draw({{file,
+                {picture.name + ": orange can be pushed on, dark squares are tags",
+                 {panel(picture, true), panel(picture, false)},
+                 2,
+                 kWidth,
+                 kHeight}}});
 }
 
 }  // namespace c3rt::cli

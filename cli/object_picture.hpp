@@ -21,7 +21,7 @@ struct ObjectPicture {
 /// looks further up or down moves nothing.
 bool can_be_pushed(const Eigen::Vector3d& normal);
 
-/// From above and from below, a PNG by gnuplot. @return why there is none; empty if there is
+/// From above and from below, a PNG. @return what is missing and why; empty if it is there
 std::string draw_object(const std::filesystem::path& file, const ObjectPicture& picture);
 
 }  // namespace c3rt::cli

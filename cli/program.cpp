@@ -1,10 +1,12 @@
 #include "cli/program.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include <spawn.h>
@@ -102,19 +104,39 @@ class Streams {
   posix_spawn_file_actions_t actions_{};
 };
 
+/// As exec takes them.
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> all;
+  for (const std::string& text : texts) all.push_back(const_cast<char*>(text.c_str()));
+  all.push_back(nullptr);
+  return all;
+}
+
+/// This process's environment with these in place of what it has of their names.
+std::vector<std::string> with(const std::vector<std::string>& changed) {
+  std::vector<std::string> all = changed;
+  for (char** own = environ; *own != nullptr; ++own) {
+    const std::string_view entry = *own;
+    const auto same_name = [&](const std::string& other) {
+      return other.compare(0, other.find('=') + 1, entry.substr(0, entry.find('=') + 1)) == 0;
+    };
+    if (std::none_of(changed.begin(), changed.end(), same_name)) all.emplace_back(entry);
+  }
+  return all;
+}
+
 }  // namespace
 
 ProgramEnd run_program(const std::vector<std::string>& arguments, const std::string& input,
-                       double timeout_s) {
+                       double timeout_s, const std::vector<std::string>& environment) {
   const MemoryFile in("input"), out("output");
   in.fill(input);
-  std::vector<char*> words;
-  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
+  const std::vector<char*> words = pointers(arguments);
+  const std::vector<std::string> settings = with(environment);
   ProgramEnd end;
   pid_t pid = 0;
   const int error = posix_spawnp(&pid, words[0], Streams(in.descriptor(), out.descriptor()).get(),
-                                 Attributes().get(), words.data(), environ);
+                                 Attributes().get(), words.data(), pointers(settings).data());
   if (error != 0) {
     end.reason = error == ENOENT ? "is not installed"
                                  : std::string("cannot be started: ") + std::strerror(error);
@@ -143,9 +165,7 @@ ProgramEnd run_program(const std::vector<std::string>& arguments, const std::str
 }
 
 void become_program(const std::vector<std::string>& arguments) {
-  std::vector<char*> words;
-  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
+  const std::vector<char*> words = pointers(arguments);
   execvp(words[0], words.data());
   throw UsageError(arguments.front() + ": " + std::strerror(errno));
 }

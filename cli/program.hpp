@@ -1,5 +1,5 @@
 #pragma once
-// Other people's programs: gnuplot, Python. Each may be missing, fail or hang, and none may take
+// Other people's programs: Python, coacd. Each may be missing, fail or hang, and none may take
 // this one along.
 #include <string>
 #include <vector>
@@ -20,8 +20,9 @@ struct ProgramEnd {
 
 /// Runs arguments[0], looked up in PATH, with `input` as its standard input, and waits for its end.
 /// After `timeout_s` it is killed with everything that it started.
+/// @param environment "NAME=value", in place of what this process has of these names
 ProgramEnd run_program(const std::vector<std::string>& arguments, const std::string& input,
-                       double timeout_s);
+                       double timeout_s, const std::vector<std::string>& environment = {});
 
 /// Goes on as arguments[0], looked up in PATH, with this process's id and streams.
 /// @throws UsageError saying why it cannot

@@ -1,12 +1,11 @@
 #include "cli/chaos/report.hpp"
 
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/report/panels.hpp"
+#include "cli/report/figure.hpp"
 #include "cli/soak/report.hpp"
 #include "controller/base/quantile.hpp"
 
@@ -14,9 +13,6 @@ namespace c3rt::cli::chaos {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr std::array<const char*, 6> kColours{"#1f5fd0", "#d04020", "#1b7837",
-                                              "#7b3294", "#b35806", "black"};
 
 ordered_json quantiles(const std::vector<double>& sorted) {
   if (sorted.empty()) return nullptr;
@@ -141,12 +137,10 @@ std::string draw_recovery(const std::filesystem::path& folder, const std::string
   panel.title = "share of the faults after which the arm goes on within that time";
   panel.x_label = "time after the fault's end [s]";
   panel.y_label = "share";
-  std::size_t colour = 0;
   for (const auto& [name, times] : by_kind(outcomes)) {
     if (times.resumed.empty()) continue;
     Curve curve;
     curve.name = name;
-    curve.color = kColours[colour++ % kColours.size()];
     const auto count = static_cast<Eigen::Index>(times.resumed.size());
     curve.x = Eigen::Map<const Eigen::VectorXd>(times.resumed.data(), count);
     curve.y = Eigen::VectorXd::LinSpaced(count, 1.0 / static_cast<double>(count), 1.0);
@@ -154,7 +148,7 @@ std::string draw_recovery(const std::filesystem::path& folder, const std::string
     panel.curves.push_back(curve);
   }
   if (panel.curves.empty()) return "";
-  return draw_panels(folder / "recovery.png", title, {panel});
+  return draw({{folder / "recovery.png", {title, {panel}}}});
 }
 
 }  // namespace c3rt::cli::chaos

@@ -30,6 +30,7 @@
 #include "cli/lock.hpp"
 #include "cli/neighbours.hpp"
 #include "cli/paths.hpp"
+#include "cli/python.hpp"
 #include "config/text.hpp"
 #include "idl/client/client.hpp"
 #include "idl/discovery.hpp"
@@ -197,10 +198,12 @@ std::vector<FolderFacts> folders(const std::optional<Instance>& instance) {
 
 std::vector<ToolFacts> tools() {
   std::vector<ToolFacts> all{
-      {"gnuplot", "apt install gnuplot-nox", "pictures (run, reproduce, campaign, latency)"},
       {"coacd", "pip install coacd", "convex pieces (object add --decompose)"},
       {"python3", "apt install python3", "many runs (campaign, tune, reproduce)"}};
   for (ToolFacts& tool : all) tool.found = in_path(tool.program);
+  all.push_back({"matplotlib", "apt install python3-matplotlib",
+                 "pictures (run, reproduce, campaign, latency)",
+                 !find_python({"matplotlib"}).program.empty()});
   return all;
 }
 

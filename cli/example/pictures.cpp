@@ -21,13 +21,8 @@ using Eigen::VectorXd;
 using example::Experiment;
 using example::Trajectory;
 
-constexpr const char* kBlack = "#202020";
-constexpr const char* kBlue = "#1f5fd0";
-constexpr const char* kRed = "#d04020";
-constexpr const char* kGrey = "#808080";
-constexpr const char* kYellow = "#c8a000";
-constexpr const char* kUpperShade = "#cfe0fa";
-constexpr const char* kLowerShade = "#fad5cf";
+constexpr const char* kUpperShade = "#cfe3f1";
+constexpr const char* kLowerShade = "#f8ddcc";
 constexpr double kPushes = 1e-3;  // a normal force above this is contact [N]
 
 /// One experiment's curves over time.
@@ -76,13 +71,13 @@ std::vector<Panel> cart_pole(const Drawing& d, const model::CartPoleParameters& 
            "position [m]",
            {d.x(L::position, "cart", kBlue),
             {"tip of the pole", kRed, d.t, tip},
-            d.level(p.wall_distance, "walls", kYellow),
-            d.level(-p.wall_distance, "", kYellow)}},
+            d.level(p.wall_distance, "walls", kAmber),
+            d.level(-p.wall_distance, "", kAmber)}},
           {"", "", "angle of the pole [rad]", {d.x(L::angle, "angle", kBlue)}},
           {"",
            "time [s]",
            "force [N]",
-           {d.u(0, "input", kBlack), d.lambda(L::right_wall, "right wall", kRed),
+           {d.u(0, "input", kInk), d.lambda(L::right_wall, "right wall", kRed),
             d.lambda(L::left_wall, "left wall", kBlue)}}};
 }
 
@@ -91,7 +86,7 @@ std::vector<Panel> finger_gaiting(const Drawing& d) {
   Panel positions{"",
                   "",
                   "height [m]",
-                  {d.x(L::object, "object", kBlack), d.x(L::finger_1, "finger 1", kBlue),
+                  {d.x(L::object, "object", kInk), d.x(L::finger_1, "finger 1", kBlue),
                    d.x(L::finger_2, "finger 2", kRed),
                    d.level(d.experiment.x_desired[L::object], "goal of the object", kGrey)},
                   d.contact()};
@@ -100,7 +95,7 @@ std::vector<Panel> finger_gaiting(const Drawing& d) {
   for (const VectorXd* bound : {constraints.x_min.data(), constraints.x_max.data()}) {
     for (const double y : *bound) {
       if (!std::isfinite(y)) continue;
-      positions.curves.push_back(d.level(y, named ? "" : "limits of the fingers", kYellow));
+      positions.curves.push_back(d.level(y, named ? "" : "limits of the fingers", kAmber));
       named = true;
     }
   }
@@ -121,7 +116,7 @@ std::vector<Panel> pivoting(const Drawing& d) {
   return {{"",
            "",
            "angle α [rad]",
-           {d.x(L::alpha, "α", kBlack), d.level(goal[L::alpha], "goal", kGrey)},
+           {d.x(L::alpha, "α", kInk), d.level(goal[L::alpha], "goal", kGrey)},
            d.contact()},
           {"",
            "",
@@ -143,7 +138,7 @@ std::vector<Panel> pivoting(const Drawing& d) {
 /// Of any other system: what has a length, what has an angle, with the goals that are weighed, and
 /// the inputs.
 std::vector<Panel> by_names(const Drawing& d, const model::SystemLayout& layout) {
-  constexpr std::array kColors{kBlack, kBlue, kRed, kYellow, kGrey};
+  constexpr std::array kColors{kInk, kBlue, kRed, kAmber, kGrey};
   std::vector<Panel> panels;
   const auto color = [&](const Panel& panel) {
     return kColors[panel.curves.size() % kColors.size()];

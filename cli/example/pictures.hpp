@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/report/panels.hpp"
+#include "cli/report/figure.hpp"
 #include "controller/example/closed_loop.hpp"
 
 namespace c3rt::cli {

@@ -27,9 +27,9 @@ int run_example(const ExampleSettings& settings, const Stop& stop) {
   write_decisions(out / "decisions.csv", scenario.experiment, result);
   if (settings.deciding.trace) write_iterates(out / "iterates.csv", scenario.experiment, result);
   write_trajectory(out / "trajectory.csv", scenario.experiment, result.first);
-  const std::string missing =
-      draw_panels(out / "trajectory.png", fmt::format("{}, first trial", scenario.name),
-                  trajectory_panels(scenario.experiment, result.first));
+  const std::string missing = draw({{out / "trajectory.png",
+                                     {fmt::format("{}, first trial", scenario.name),
+                                      trajectory_panels(scenario.experiment, result.first)}}});
 
   fmt::print("\n{}", summary(report));
   if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);

@@ -16,7 +16,7 @@
 #include "cli/gap/recorded.hpp"
 #include "cli/paths.hpp"
 #include "cli/recorded.hpp"
-#include "cli/report/gnuplot.hpp"
+#include "cli/report/figure.hpp"
 #include "cli/report/text_table.hpp"
 #include "controller/base/quantile.hpp"
 #include "controller/horizon/modes.hpp"
@@ -29,8 +29,8 @@ namespace {
 using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMeets = 1e-6;  // in relation to a row's terms: a plan is not solved to more
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMeets = 1e-6;       // in relation to a row's terms: a plan is not solved to more
+constexpr double kLeastShown = 1e-3;  // in the picture [%]
 
 /// One plan beside the optimum.
 struct Row {
@@ -158,19 +158,19 @@ Rows table(const std::vector<Row>& rows, const std::vector<std::string>& planner
   return table;
 }
 
-std::string picture(const Decisions& decisions, const std::vector<Row>& rows) {
-  std::string text = gnuplot::terminal(900, 420);
-  text += "set title " + gnuplot::quoted(decisions.name + ": plans above the optimum of (15)") +
-          "\nset xlabel \"control step\"\nset ylabel \"above [%]\"\nset logscale y\n"
-          "set format y \"%g\"\n$plans << EOD\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+Figure picture(const Decisions& decisions, const std::vector<Row>& rows) {
+  Curve curve{"C3's plan, simulated", kBlue, {}, {}, false, true};
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  curve.x = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1));
+  curve.y.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double above = rows[static_cast<std::size_t>(i)].above();
     // a logarithm has no 0
-    if (std::isfinite(rows[i].above()))
-      text += fmt::format("{} {:.9g}\n", i, std::max(1e-3, 100.0 * rows[i].above()));
+    curve.y[i] = std::isfinite(above) ? std::max(kLeastShown, 100.0 * above) : kNone;
   }
-  return text +
-         "EOD\nplot $plans with linespoints pt 7 ps 0.6 lc rgb '#1f5fd0' title \"C3's plan, "
-         "simulated\"\n";
+  Panel panel{"", "control step", "above [%]", {curve}, {}, true};
+  panel.legend_below = true;
+  return {decisions.name + ": plans above the optimum of (15)", {panel}, 1, 900, 420};
 }
 
 std::string one_problem(const Row& row) {
@@ -270,9 +270,9 @@ int run(const Settings& settings, const Stop& stop) {
   if (rows.size() == 1) {
     fmt::print("  {}\n", one_problem(rows.front()));
   } else {
-    const std::string missing = gnuplot::draw(folder / "gap.png", picture(decisions, rows));
+    const std::string missing = draw({{folder / "gap.png", picture(decisions, rows)}});
     fmt::print("\n{}\n", text_table(table(rows, settings.planners)));
-    if (!missing.empty()) fmt::print(stderr, "c3rt: no picture: {}\n", missing);
+    if (!missing.empty()) fmt::print(stderr, "c3rt: {}\n", missing);
   }
   if (above.size() < rows.size())
     fmt::print("  {} of {} plans cannot be simulated\n", rows.size() - above.size(), rows.size());

@@ -1,14 +1,13 @@
 #include "cli/latency/report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/report/figure.hpp"
 #include "cli/report/json.hpp"
-#include "cli/report/panels.hpp"
 #include "cli/report/text_table.hpp"
 #include "controller/base/quantile.hpp"
 #include "controller/base/time.hpp"
@@ -18,8 +17,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::array<const char*, 8> kColors{"#1f77b4", "#7f7f7f", "#d62728", "#ff9896",
-                                             "#2ca02c", "#9467bd", "#8c564b", "#e377c2"};
 constexpr double kPerWorst_s = 0.1;  // the picture shows the latest wake-up of so long
 constexpr double kNineStep = 0.05;
 
@@ -42,12 +39,12 @@ std::string criteria_text(const std::vector<CriterionResult>& criteria) {
 }
 
 /// Its quantiles over the number of nines: 1 is the 90th percentile, 2 the 99th.
-Curve quantile_curve(const Row& row, const char* color) {
+Curve quantile_curve(const Row& row) {
   std::vector<double> sorted = row.samples;
   std::sort(sorted.begin(), sorted.end());
   const double last = std::log10(static_cast<double>(sorted.size()));
   const auto points = static_cast<Eigen::Index>(std::floor(last / kNineStep)) + 1;
-  Curve curve{row.name, color, Eigen::VectorXd(points), Eigen::VectorXd(points)};
+  Curve curve{row.name, "", Eigen::VectorXd(points), Eigen::VectorXd(points)};
   for (Eigen::Index i = 0; i < points; ++i) {
     curve.x[i] = static_cast<double>(i) * kNineStep;
     curve.y[i] = 1e3 * base::quantile_nearest(sorted, 1.0 - std::pow(10.0, -curve.x[i]));
@@ -149,23 +146,27 @@ std::string text(const Report& report) {
 
 std::string draw(const std::filesystem::path& file, const Report& report) {
   constexpr const char* kNines = "nines: 1 = p90, 2 = p99, 3 = p99.9";
-  Panel alone{"Quantiles: the machine alone, and DDS", kNines, "ms", {}};
-  Panel processes{"Quantiles: with the four processes", kNines, "ms", {}};
+  Panel alone{"Quantiles: the machine alone, and DDS", kNines, "time [ms]", {}, {}, true};
+  Panel processes{"Quantiles: with the four processes", kNines, "time [ms]", {}, {}, true};
   for (const Row& row : report.rows) {
     if (row.samples.empty()) continue;
     Panel& panel = row.stage == kProcessStage ? processes : alone;
-    panel.curves.push_back(quantile_curve(row, kColors[panel.curves.size() % kColors.size()]));
+    panel.curves.push_back(quantile_curve(row));
   }
-  Panel worst{"Latest wake-up of each 0.1 s while the four processes ran", "time [s]", "ms", {}};
+  Panel worst{"Latest wake-up of each 0.1 s while the four processes ran",
+              "time [s]",
+              "late [ms]",
+              {},
+              {},
+              true};
   if (!report.loop.empty()) {
     const std::int64_t start_ns = report.loop.front().deadline_ns;
-    worst.curves = {worst_curve("reference", "#7f7f7f", report.reference, start_ns),
-                    worst_curve("1 kHz loop", "#1f77b4", report.loop, start_ns)};
+    worst.curves = {worst_curve("reference", kGrey, report.reference, start_ns),
+                    worst_curve("1 kHz loop", kBlue, report.loop, start_ns)};
   }
-  // an empty panel has no range that a logarithm could show
-  for (Panel* panel : {&alone, &processes, &worst}) panel->logarithmic = !panel->curves.empty();
-  return draw_panels(file, fmt::format("c3rt latency: {}", report.judgement.sentence),
-                     {alone, processes, worst});
+  return cli::draw(
+      {{file,
+        {fmt::format("c3rt latency: {}", report.judgement.sentence), {alone, processes, worst}}}});
 }
 
 }  // namespace c3rt::cli::latency

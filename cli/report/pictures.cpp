@@ -8,167 +8,198 @@
 #include <fmt/format.h>
 
 #include "cli/report/course.hpp"
-#include "cli/report/gnuplot.hpp"
-#include "cli/report/path_plots.hpp"
+#include "cli/report/figure.hpp"
 #include "cli/report/tracking.hpp"
 
 namespace c3rt::cli {
 namespace {
 
-using gnuplot::draw;
-using gnuplot::quoted;
-using gnuplot::terminal;
+using Eigen::Index;
 
 constexpr std::size_t kLargestPlot = 4000;  // points of one line
+constexpr double kFarthest = 0.2;           // a lost object must not shrink the path to a point [m]
 
 constexpr std::array<const char*, kMaxObjects> kObjectColours{
-    "black", "#1b7837", "#b35806", "#7b3294", "#2166ac", "#b2182b", "#01665e", "#8c510a"};
+    kInk, "#009e73", kRed, "#cc79a7", "#56b4e9", kAmber, "#7f3b08", kGrey};
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
 
-/// Rows "time error" [s, mm], the largest of those that share a column of pixels: thinning must not
+/// Errors over time [s, mm], the largest of those that share a column of pixels: thinning must not
 /// hide a peak.
-std::string thinned(const LongRows<double>& time, const LongRows<double>& error) {
-  std::string rows;
+void set_thinned(Curve& curve, const LongRows<double>& time, const LongRows<double>& error) {
   const std::size_t step = stride(time.size());
-  for (std::size_t i = 0; i < time.size(); i += step) {
-    const std::size_t end = std::min(i + step, time.size());
-    const double largest = *std::max_element(error.begin() + i, error.begin() + end);
-    rows += fmt::format("{:.4f} {:.5f}\n", time[i], largest * 1e3);
+  const std::size_t count = (time.size() + step - 1) / step;
+  curve.x.resize(static_cast<Index>(count));
+  curve.y.resize(static_cast<Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t begin = i * step, end = std::min(begin + step, time.size());
+    curve.x[static_cast<Index>(i)] = time[begin];
+    curve.y[static_cast<Index>(i)] =
+        1e3 * *std::max_element(error.begin() + begin, error.begin() + end);
   }
-  return rows;
 }
 
-/// gnuplot refuses axes that no sample gives a range.
-const char* axes(bool any) {
-  return any ? "set xrange [0:*]\nset yrange [0:*]\nset nokey\n"
-             : "set xrange [0:1]\nset yrange [0:1]\nset nokey\n";
+void set_points(Curve& curve, const std::vector<Eigen::Vector2d>& points) {
+  const Eigen::Map<const Eigen::Matrix2Xd> all(points.empty() ? nullptr : points.front().data(), 2,
+                                               static_cast<Index>(points.size()));
+  curve.x = all.row(0);
+  curve.y = all.row(1);
 }
 
-/// The course of one object from the task's begin; with its first point in `start`.
-std::string track(const Series& series, double from, std::size_t object, Eigen::AlignedBox2d& box,
-                  std::string& start) {
-  std::string rows;
+/// What is shown of a desired path and of where objects went.
+Eigen::AlignedBox2d shown_of(const std::vector<Eigen::Vector2d>& wanted,
+                             const Eigen::AlignedBox2d& objects) {
+  Eigen::AlignedBox2d path;
+  for (const Eigen::Vector2d& corner : wanted) path.extend(corner);
+  const Eigen::Vector2d far = Eigen::Vector2d::Constant(kFarthest);
+  Eigen::AlignedBox2d box =
+      objects.intersection(Eigen::AlignedBox2d(path.min() - far, path.max() + far));
+  box.extend(path);
+  return box;
+}
+
+/// A desired path and its 2 cm band.
+Panel top_view(const std::vector<Eigen::Vector2d>& wanted, const Eigen::AlignedBox2d& objects) {
+  Curve path;
+  path.name = "desired path";
+  path.color = kBlue;
+  path.dashed = true;
+  path.width = 2.0;
+  set_points(path, wanted);
+  Panel panel{"", "x [m]", "y [m]", {path}};
+  panel.bands = {{"2 cm band", "#f5d3e3", path.x, path.y, kBand}};
+  const Eigen::AlignedBox2d box = shown_of(wanted, objects);
+  const Eigen::Vector2d center = box.center();
+  const double reach = 0.5 * box.sizes().maxCoeff() + 2.0 * kBand;
+  panel.x_limits = {center.x() - reach, center.x() + reach};
+  panel.y_limits = {center.y() - reach, center.y() + reach};
+  panel.equal = true;
+  panel.legend_below = true;
+  return panel;
+}
+
+/// The course of one object from the task's begin.
+std::vector<Eigen::Vector2d> track(const Series& series, double from, std::size_t object) {
+  std::vector<Eigen::Vector2d> course;
   const std::size_t step = stride(series.scene.size());
   for (std::size_t i = 0; i < series.scene.size(); i += step) {
     const SceneRow& row = series.scene[i];
     if (static_cast<int>(object) >= row.object_count ||
         static_cast<double>(row.time_ns - start_ns(series)) * 1e-9 < from)
       continue;
-    const Eigen::Vector2d p_WB = row.p_WB[object].head<2>();
-    const std::string point = fmt::format("{:.6f} {:.6f}\n", p_WB.x(), p_WB.y());
-    if (rows.empty()) start += point;
-    rows += point;
-    box.extend(p_WB);
+    course.emplace_back(row.p_WB[object].head<2>());
   }
-  return rows.empty() ? "NaN NaN\n" : rows;
+  return course;
 }
 
-std::string path_script(const Series& series, const task::Task& task, const Figures& figures,
-                        const std::string& title) {
+Figure path_figure(const Series& series, const task::Task& task, const Figures& figures,
+                   const std::string& title) {
   const double from = std::isfinite(figures.task_start) ? figures.task_start : 0.0;
   const std::size_t objects = std::max<std::size_t>(1, figures.objects.size());
   Eigen::AlignedBox2d box;
-  std::string script = terminal(720, 760), start, plots;
+  std::vector<Curve> curves;
+  std::vector<Eigen::Vector2d> starts;
   for (std::size_t object = 0; object < objects; ++object) {
-    script += fmt::format("$object{} << EOD\n", object) + track(series, from, object, box, start) +
-              "EOD\n";
-    const std::string name = objects > 1 ? fmt::format("object {}", object + 1) : "object";
-    plots += fmt::format(", $object{} with lines lw 1.6 lc rgb '{}' title '{} (ground truth)'",
-                         object, kObjectColours[object], name);
+    const std::vector<Eigen::Vector2d> course = track(series, from, object);
+    for (const Eigen::Vector2d& point : course) box.extend(point);
+    if (!course.empty()) starts.push_back(course.front());
+    Curve curve;
+    curve.name =
+        objects > 1 ? fmt::format("object {} (ground truth)", object + 1) : "object (ground truth)";
+    curve.color = kObjectColours[object];
+    set_points(curve, course);
+    curves.push_back(curve);
   }
-  const std::vector<Eigen::Vector2d> corners = task.outline(box);
-  box = shown_of(corners, box);
-  const Eigen::Vector2d center = box.center();
-  const double reach = 0.5 * box.sizes().maxCoeff() + 2.0 * kBand;
-  script +=
-      wanted_data(corners) + "$start << EOD\n" + (start.empty() ? "NaN NaN\n" : start) + "EOD\n";
-  script += fmt::format(
-      "set title {} noenhanced\nset xlabel 'x [m]'\nset ylabel 'y [m]'\nset size ratio -1\n",
-      quoted(title));
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", center.x() - reach,
-                        center.x() + reach, center.y() - reach, center.y() + reach);
-  script += fmt::format(
-      "set key below horizontal\nset grid front\n"
-      "plot {}{}, $start with points pt 7 ps 1.3 lc rgb '#d04020' title 'start'\n",
-      wanted_plot(), plots);
-  return script;
+  Curve start;
+  start.name = "start";
+  start.color = kRed;
+  start.points = true;
+  start.joined = false;
+  start.mark_size = 8.0;
+  set_points(start, starts);
+  Panel panel = top_view(task.outline(box), box);
+  panel.curves.insert(panel.curves.end(), curves.begin(), curves.end());
+  panel.curves.push_back(start);
+  return {title, {panel}, 1, 720, 760};
 }
 
-std::string error_script(const Series& series, const task::Task& task, const Figures& figures,
-                         const std::string& title) {
-  std::string script = terminal(900, 420), plots;
-  bool any = false;
+/// Distances over time, which begin at 0.
+Panel distances(const std::string& x_label, const std::string& y_label) {
+  Panel panel{"", x_label, y_label, {}};
+  panel.x_limits[0] = panel.y_limits[0] = 0.0;
+  panel.legend_below = true;
+  return panel;
+}
+
+Figure error_figure(const Series& series, const task::Task& task, const Figures& figures,
+                    const std::string& title) {
+  Panel panel = distances("time since the task began [s]", "object to path [mm]");
+  double last = 0.0;
   for (std::size_t object = 0; object < figures.objects.size(); ++object) {
     const PathErrors errors = path_errors(series, task, static_cast<int>(object));
-    script +=
-        fmt::format("$error{} << EOD\n", object) + thinned(errors.time, errors.error) + "EOD\n";
-    any = any || !errors.time.empty();
-    plots += fmt::format(", $error{} with lines lw 1.2 lc rgb '{}' title 'object {}'", object,
-                         kObjectColours[object], object + 1);
+    if (errors.time.empty()) continue;
+    Curve curve;
+    curve.name = fmt::format("object {}", object + 1);
+    curve.color = kObjectColours[object];
+    set_thinned(curve, errors.time, errors.error);
+    last = std::max(last, curve.x.maxCoeff());
+    panel.curves.push_back(curve);
   }
-  return script + fmt::format("set title {} noenhanced\n", quoted(title)) +
-         "set xlabel 'time since the task began [s]'\nset ylabel 'object to path [mm]'\n" +
-         axes(any) +
-         fmt::format(
-             "set key below horizontal\nplot {} with lines dt 2 lc rgb '#d04020' title '2 cm'",
-             kBand * 1e3) +
-         (any ? plots : "") + "\n";
+  if (!panel.curves.empty()) {
+    const double limit = kBand * 1e3;
+    panel.curves.insert(panel.curves.begin(), {"2 cm", kRed, Eigen::Vector2d(0.0, last),
+                                               Eigen::Vector2d(limit, limit), true});
+  }
+  return {title, {panel}, 1, 900, 420};
 }
 
-std::string tracking_script(const Series& series, const std::string& title) {
+Figure tracking_figure(const Series& series, const std::string& title) {
   const TrackingErrors tracking = tracking_errors(series);
-  const std::string task = thinned(tracking.task.time, tracking.task.error);
-  const std::string approach = thinned(tracking.approach.time, tracking.approach.error);
-  const auto rows = [](const std::string& some) { return some.empty() ? "0 0\n" : some; };
-  return terminal(900, 420) + "$task << EOD\n" + rows(task) + "EOD\n" + "$approach << EOD\n" +
-         rows(approach) + "EOD\n" + fmt::format("set title {} noenhanced\n", quoted(title)) +
-         "set xlabel 'time [s]'\nset ylabel 'end effector to desired position [mm]'\n" +
-         axes(!task.empty() || !approach.empty()) +
-         "set key below horizontal\nplot $approach with points pt 7 ps 0.3 lc rgb '#a0a0a0' title "
-         "'approach', "
-         "$task with points pt 7 ps 0.3 lc rgb '#1f5fd0' title 'task'\n";
+  Panel panel = distances("time [s]", "end effector to desired position [mm]");
+  const auto add = [&panel](const char* name, const char* color, const LongRows<double>& time,
+                            const LongRows<double>& error) {
+    if (time.empty()) return;
+    Curve curve;
+    curve.name = name;
+    curve.color = color;
+    curve.points = true;
+    curve.joined = false;
+    curve.mark_size = 2.0;
+    set_thinned(curve, time, error);
+    panel.curves.push_back(curve);
+  };
+  add("approach", "#a0a0a0", tracking.approach.time, tracking.approach.error);
+  add("task", kBlue, tracking.task.time, tracking.task.error);
+  return {title, {panel}, 1, 900, 420};
 }
 
-/// Rows "value count" of a histogram up to the 99.9 % quantile [ms]; what is longer counts in the
-/// last bin.
+/// A histogram up to the 99.9 % quantile [ms]; what is longer counts in the last bin.
 /// @param samples sorted
-std::string histogram(const LongRows<double>& samples, double& width) {
-  width = 1.0;
-  if (samples.empty()) return "0 0\n";
-  constexpr int kBins = 60;
+Bars histogram(const LongRows<double>& samples) {
+  constexpr Index kBins = 60;
   const double last =
       samples[static_cast<std::size_t>(0.999 * static_cast<double>(samples.size() - 1))] * 1e3;
   const double first = std::min(0.0, samples.front() * 1e3);
-  width = std::max((last - first) / kBins, 1e-3);
-  std::vector<int> counts(kBins, 0);
+  const double width = std::max((last - first) / kBins, 1e-3);
+  Bars bars{kBlue, Eigen::VectorXd::LinSpaced(kBins + 1, first, first + kBins * width),
+            Eigen::VectorXd::Zero(kBins)};
   for (const double sample : samples) {
-    const int bin = static_cast<int>((sample * 1e3 - first) / width);
-    ++counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
+    const auto bin = static_cast<Index>((sample * 1e3 - first) / width);
+    ++bars.heights[std::clamp<Index>(bin, 0, kBins - 1)];
   }
-  std::string rows;
-  for (int i = 0; i < kBins; ++i)
-    rows +=
-        fmt::format("{:.6g} {}\n", first + (i + 0.5) * width, counts[static_cast<std::size_t>(i)]);
-  return rows;
+  return bars;
 }
 
-std::string histogram_panel(const std::string& name, const std::string& label,
-                            LongRows<double>& samples) {
-  double width = 1.0;
+Panel histogram_panel(const std::string& label, LongRows<double>& samples) {
   const Spread figures = spread_of(samples);
-  std::string script = "$" + name + " << EOD\n" + histogram(samples, width) + "EOD\n";
-  const std::string quantiles =
-      samples.empty() ? "no samples"
-                      : fmt::format("n {}   p50 {:.2f}   p95 {:.2f}   p99 {:.2f}   max {:.2f} ms",
-                                    samples.size(), figures.p50 * 1e3, figures.p95 * 1e3,
-                                    figures.p99 * 1e3, figures.max * 1e3);
-  script += fmt::format("set title {} noenhanced\nset xlabel 'ms'\nset ylabel 'samples'\n",
-                        quoted(label + "\n" + quantiles));
-  script += fmt::format("set boxwidth {:.6g}\nset style fill solid 0.75 noborder\n", width * 0.92);
-  script += axes(!samples.empty());
-  script += "plot $" + name + " with boxes lc rgb '#1f5fd0'\n";
-  return script;
+  Panel panel{label, "time [ms]", "samples", {}};
+  if (samples.empty()) return panel;
+  panel.title +=
+      fmt::format("\nn {}   p50 {:.2f}   p95 {:.2f}   p99 {:.2f}   max {:.2f} ms", samples.size(),
+                  figures.p50 * 1e3, figures.p95 * 1e3, figures.p99 * 1e3, figures.max * 1e3);
+  panel.bars = {histogram(samples)};
+  panel.y_limits[0] = 0.0;
+  return panel;
 }
 
 }  // namespace
@@ -181,27 +212,19 @@ std::string draw_pictures(const std::filesystem::path& directory, const Series& 
   for (const PlanRow& plan : series.plan) {
     if (plan.solve_time > 0.0) solve_times.push_back(plan.solve_time);
   }
-  const std::string latency_script =
-      terminal(820, 980) + "set multiplot layout 3,1\n" +
-      histogram_panel("state", "robot state to command", measured.state_to_command) +
-      histogram_panel("plan", "exposure to plan", measured.exposure_to_plan) +
-      histogram_panel("torque", "exposure to torque", measured.exposure_to_torque) +
-      "unset multiplot\n";
-  const std::vector<std::pair<std::string, std::string>> pictures{
-      {"path.png", path_script(series, task, figures, title)},
-      {"path_error.png", error_script(series, task, figures, title)},
-      {"end_effector_error.png", tracking_script(series, title)},
-      {"solve_time.png",
-       terminal(820, 420) + histogram_panel("solve", "C3 solve time, " + title, solve_times)},
-      {"latency.png", latency_script}};
-  std::string missing, reason;
-  for (const auto& [name, script] : pictures) {
-    const std::string refused = draw(directory / name, script);
-    if (refused.empty()) continue;
-    missing += (missing.empty() ? "" : ", ") + name;
-    reason = refused;
-  }
-  return gnuplot::missing(missing, reason);
+  return draw({{directory / "path.png", path_figure(series, task, figures, title)},
+               {directory / "path_error.png", error_figure(series, task, figures, title)},
+               {directory / "end_effector_error.png", tracking_figure(series, title)},
+               {directory / "solve_time.png",
+                {"", {histogram_panel("C3 solve time, " + title, solve_times)}, 1, 820, 420}},
+               {directory / "latency.png",
+                {title,
+                 {histogram_panel("robot state to command", measured.state_to_command),
+                  histogram_panel("exposure to plan", measured.exposure_to_plan),
+                  histogram_panel("exposure to torque", measured.exposure_to_torque)},
+                 1,
+                 820,
+                 980}}});
 }
 
 }  // namespace c3rt::cli

@@ -1,5 +1,5 @@
 #pragma once
-// The report's pictures, drawn by gnuplot.
+// The report's pictures.
 #include <filesystem>
 #include <string>
 
@@ -7,8 +7,8 @@
 
 namespace c3rt::cli {
 
-/// Writes path.png (as Figure 11 of the paper), end_effector_error.png, solve_time.png and
-/// latency.png.
+/// Draws path.png (as Figure 11 of the paper), path_error.png, end_effector_error.png,
+/// solve_time.png and latency.png.
 /// @return what is missing and why; empty if all are there
 std::string draw_pictures(const std::filesystem::path& directory, const Series& series,
                           const task::Task& task, const Figures& figures, const std::string& title);

@@ -1,7 +1,6 @@
 #include "cli/soak/report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -9,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/report/panels.hpp"
+#include "cli/report/figure.hpp"
 
 namespace c3rt::cli::soak {
 namespace {
@@ -22,8 +21,6 @@ using Courses = std::map<std::string, invariants::Processes::Course>;
 
 constexpr double kMiB = 1024.0 * 1024.0, kKiB = 1024.0;
 constexpr std::size_t kMostShown = 10;
-constexpr std::array<const char*, 6> kColours{"#1f5fd0", "#d04020", "#1b7837",
-                                              "#7b3294", "#b35806", "black"};
 
 ordered_json to_json(const Violation& violation) {
   return {{"name", violation.name},   {"subject", violation.subject}, {"time_s", violation.time},
@@ -191,10 +188,8 @@ void Files::add(double time, const ProcessSample& sample) {
 std::string draw_memory(const std::filesystem::path& folder, const std::string& title,
                         const std::map<std::string, Thinned>& memory) {
   std::vector<Panel> panels;
-  std::size_t colour = 0;
   for (const auto& [name, thinned] : memory) {
     Curve curve;
-    curve.color = kColours[colour++ % kColours.size()];
     const auto count = static_cast<Eigen::Index>(thinned.points().size());
     curve.x.resize(count);
     curve.y.resize(count);
@@ -211,7 +206,7 @@ std::string draw_memory(const std::filesystem::path& folder, const std::string& 
     panels.push_back(panel);
   }
   if (panels.empty()) return "";
-  return draw_panels(folder / "memory.png", title, panels);
+  return draw({{folder / "memory.png", {title, panels}}});
 }
 
 }  // namespace c3rt::cli::soak

@@ -165,7 +165,8 @@ def python(build):
     out = []
     modules = [("c3rt", package / "__init__.py", [stubs, package / "_run.py"]),
                ("c3rt.client", package / "client/__init__.py", sorted((package / "client").glob("*.py"))),
-               ("c3rt.log", package / "log.py", [package / "log.py"]), ("c3rt.envs", package / "envs.py", [package / "envs.py"])]
+               ("c3rt.log", package / "log.py", [package / "log.py"]), ("c3rt.envs", package / "envs.py", [package / "envs.py"]),
+               ("c3rt.pictures", package / "pictures/__init__.py", sorted((package / "pictures").glob("*.py")))]
     for name, top, files in modules:
         tree, public = names_of(top)
         found = definitions(*files)

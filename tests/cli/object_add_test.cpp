@@ -62,9 +62,10 @@ struct Place {
     file = folder.path() / name;
     std::ofstream(file) << text;
   }
-  Outcome add(const std::string& more) const {
+  Outcome draw(const std::string& more) const {
     return run("object add '" + file.string() + "' --out '" + folder.path().string() + "' " + more);
   }
+  Outcome add(const std::string& more) const { return draw(more + " --no-picture"); }
   mjcf::ObjectFile object(const std::string& name) const {
     return mjcf::read_object((folder.path() / (name + ".xml")).string());
   }
@@ -253,7 +254,7 @@ TEST_CASE("object add: what is convex already is not divided") {
 
 TEST_CASE("object add: without CoACD, or where it fails, --decompose says what to do") {
   const Place place(l_of_one_part());
-  const Outcome missing = add_with("PATH=/nowhere ", place, "--mass 0.4 --decompose");
+  const Outcome missing = add_with("C3RT_PYTHON=/bin/false ", place, "--mass 0.4 --decompose");
   CHECK(missing.status == 2);
   CHECK_THAT(missing.output, Contains("which is not in PATH: pip install coacd trimesh") &&
                                  Contains("separate closed convex parts"));
@@ -292,12 +293,12 @@ TEST_CASE("object add: tags lie on its top, and are what cameras look for") {
 TEST_CASE("object add: it draws the object, and says why where it cannot") {
   const Place place(block({0, 0, 0}, {0.1, 0.06, 0.04}));
   const fs::path picture = place.folder.path() / "part.png";
-  REQUIRE(place.add("--mass 0.5 --no-picture").status == 0);
+  REQUIRE(place.add("--mass 0.5").status == 0);
   CHECK_FALSE(fs::exists(picture));
-  const Outcome without = add_with("PATH=/nowhere ", place, "--mass 0.5 --force");
+  const Outcome without = add_with("C3RT_PYTHON=/bin/false ", place, "--mass 0.5 --force");
   CHECK(without.status == 0);
-  CHECK_THAT(without.output, Contains("no part.png: gnuplot (package gnuplot-nox)"));
-  const Outcome drawn = place.add("--mass 0.5 --force");
+  CHECK_THAT(without.output, Contains("no part.png: no Python with the package matplotlib"));
+  const Outcome drawn = place.draw("--mass 0.5 --force");
   CHECK(drawn.status == 0);
   // a block has four sides to push on, the widest two of 100 x 40 mm
   CHECK_THAT(drawn.output, Contains("to push on: faces of 4 directions, widest") &&

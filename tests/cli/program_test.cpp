@@ -22,6 +22,17 @@ TEST_CASE("program: what it says and how it ends comes back") {
   CHECK(run_program({"true"}, "", 20.0).ok());
 }
 
+TEST_CASE("program: what is said of its environment stands in the place of what this one has") {
+  setenv("C3RT_TEST_KEPT", "kept", 1);
+  setenv("C3RT_TEST_CHANGED", "before", 1);
+  const ProgramEnd end =
+      run_program({"sh", "-c", "echo $C3RT_TEST_KEPT $C3RT_TEST_CHANGED $C3RT_TEST_CHANGE; env"},
+                  "", 20.0, {"C3RT_TEST_CHANGED=after", "C3RT_TEST_CHANGE=other"});
+  CHECK_THAT(end.output, Catch::StartsWith("kept after other\n"));
+  CHECK_THAT(end.output, !Catch::Contains("before"));
+  CHECK_THAT(run_program({"env"}, "", 20.0).output, Catch::Contains("C3RT_TEST_CHANGED=before"));
+}
+
 TEST_CASE("program: one that is missing, or that reads nothing of a long input, does no harm") {
   const ProgramEnd missing = run_program({"c3rt-no-such-program"}, std::string(1 << 20, 'x'), 20.0);
   CHECK(missing.kind == Kind::kNotFound);

@@ -322,39 +322,40 @@ TEST_CASE("service: a disk that fills while the service runs is told by status")
   }));
 }
 
-TEST_CASE("service: without gnuplot there are no pictures, one warning, and everything else") {
+TEST_CASE("service: without matplotlib there are no pictures, one warning, and everything else") {
   const Place place;
-  fs::create_directories(place.path() / "path");
-  for (const char* tool : {"bash", "sh"})
-    fs::create_symlink(fs::path("/bin") / tool, place.path() / "path" / tool);
   const Outcome outcome = c3rt::support::outcome_of(
-      "PATH='" + (place.path() / "path").string() + "'; export PATH; " +
+      "export C3RT_PYTHON=/bin/false; " +
       place.command("run cart_pole --duration 0.5 --out '" + place.out().string() + "'"));
   CHECK(outcome.status == 1);  // too short for its criterion
   CHECK_THAT(outcome.output,
-             Contains("c3rt: no trajectory.png: gnuplot (package gnuplot-nox) is not installed"));
+             Contains("c3rt: no trajectory.png: no Python with the package matplotlib (looked at: "
+                      "/bin/false); install it (Debian: python3-matplotlib; pip: matplotlib)"));
   CHECK(fs::exists(place.out() / "report.json"));
   CHECK(fs::exists(place.out() / "trajectory.csv"));
 }
 
-TEST_CASE("service: a gnuplot that hangs or fails costs a bounded time and the pictures") {
+TEST_CASE("service: a Python that hangs or fails costs a bounded time and the pictures") {
   const Place place;
-  fs::create_directories(place.path() / "path");
-  const auto gnuplot = [&](const std::string& script) {
-    const fs::path file = place.path() / "path" / "gnuplot";
-    std::ofstream(file) << "#!/bin/sh\n" << script << "\n";
+  const auto with_python = [&](const std::string& script) {
+    const fs::path file = place.path() / "python3";
+    // it says that it has the package
+    std::ofstream(file) << "#!/bin/sh\n[ \"$1\" = -c ] && exit 0\n" << script << "\n";
     fs::permissions(file, fs::perms::owner_all);
     return c3rt::support::outcome_of(
-        "PATH='" + (place.path() / "path").string() + "':$PATH; export PATH; " +
+        "export C3RT_PYTHON='" + file.string() + "'; " +
         place.command("run cart_pole --duration 0.5 --out '" + place.out().string() + "'"));
   };
-  const Outcome failed = gnuplot("echo; echo 'line 1: unknown terminal' >&2; exit 1");
+  const Outcome failed = with_python("echo Traceback; echo 'ImportError: numpy' >&2; exit 1");
   CHECK(failed.status == 1);
-  CHECK_THAT(failed.output, Contains("exited with status 1: line 1: unknown terminal"));
-  const Outcome silent = gnuplot("exit 0");  // as on a full disk
-  CHECK_THAT(silent.output, Contains("could not write the file"));
-  const Outcome hangs = gnuplot("exec sleep 300");
+  CHECK_THAT(failed.output, Contains("c3rt: no trajectory.png: ") &&
+                                Contains("python3 exited with status 1: ImportError: numpy"));
+  const Outcome silent = with_python("exit 0");
+  CHECK_THAT(silent.output, Contains("python3 exited with status 0"));
+  const Outcome hangs =
+      with_python("touch '" + (place.out() / "trajectory.png.part").string() + "'; exec sleep 300");
   CHECK(hangs.status == 1);
-  CHECK_THAT(hangs.output, Contains("did not end within 20 s"));
+  CHECK_THAT(hangs.output, Contains("python3 did not end within 25 s"));
   CHECK(fs::exists(place.out() / "report.json"));
+  CHECK_FALSE(fs::exists(place.out() / "trajectory.png.part"));
 }

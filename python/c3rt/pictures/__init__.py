@@ -23,10 +23,13 @@ A figure is a dict; what stands in [] may be left out, with what then holds:
       bars      [none]  name, color, edges, heights: a histogram; one edge more than heights
       polygons  [none]  name, color, edge [None], x, y: filled areas
 
-A name that is not empty has its line in the legend, beside or below the panel. Colours are "#rrggbb". In x and y of a curve or a
+A name that is not empty has its line in the legend, beside or below the panel. Colours are "#rrggbb"; of curves without one the
+first eight have those of PALETTE, the next eight the same with another line and other marks. In x and y of a curve or a
 band, None, nan and infinities are gaps. Text is shown as it is given.
 """
 
-from .figure import PALETTE, DescriptionError, draw
+from .description import PALETTE as PALETTE
+from .description import DescriptionError
+from .figure import draw
 
-__all__ = ["PALETTE", "DescriptionError", "draw"]
+__all__ = ["DescriptionError", "draw"]

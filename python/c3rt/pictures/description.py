@@ -31,6 +31,7 @@ class Curve:
     marks: str
     width: float
     mark_size: float
+    turn: int  # how often the palette was used up before it
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,9 @@ class Entry:
             return absent["absent"]
         raise DescriptionError(f"{self._at(key)}: missing")
 
+    def has(self, key: str) -> bool:
+        return key in self._left
+
     def end(self) -> None:
         for key in self._left:
             raise DescriptionError(f"{self._at(str(key))}: unknown key, expected one of {', '.join(self._known)}")
@@ -168,6 +172,7 @@ def _panel(value: Any, path: str, _: int) -> Panel:
 
 def _curve(value: Any, path: str, number: int) -> Curve:
     entry = Entry(value, path)
+    turn = 0 if entry.has("color") else number // len(PALETTE)
     curve = Curve(
         entry.take("name", _text, absent=""),
         entry.take("color", _color, absent=PALETTE[number % len(PALETTE)]),
@@ -177,6 +182,7 @@ def _curve(value: Any, path: str, number: int) -> Curve:
         entry.take("marks", _one_of("none", "dot", "cross"), absent="none"),
         entry.take("width", _positive, absent=1.5),
         entry.take("mark_size", _positive, absent=4.0),
+        turn,
     )
     entry.end()
     entry.equally_long("y", curve.y, curve.x)

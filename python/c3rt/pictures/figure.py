@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import pathlib
-from typing import Any, List, Tuple, Union
+from typing import Any, List, Optional, Tuple, Union
 
 import matplotlib
 import numpy as np
@@ -19,16 +19,16 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.transforms import ScaledTranslation
 
-from .description import PALETTE, Array, Band, DescriptionError, Panel, figure_of
-
-__all__ = ["PALETTE", "DescriptionError", "draw"]
+from .description import Array, Band, Panel, figure_of
+from .description import Figure as Description
 
 DPI = 100
-PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, LEGEND_WIDTH = 760, 290, 40, 180  # [pixels]
-SQUARE = 520  # a panel seen from above [pixels]
-MARGIN, LINE_HEIGHT, TICKS_HEIGHT, TICKS_WIDTH = 12, 19, 26, 92  # about a panel [pixels]
-TITLE_SIZE = 12  # [points]
+PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT = 680, 220, 40  # [pixels]
+SQUARE = 420  # a panel seen from above [pixels]
+MARGIN, LINE_HEIGHT, TICKS_HEIGHT, TICKS_WIDTH = 12, 19, 22, 92  # about a panel [pixels]
+TITLE_SIZE, LEGEND_MARK = 12, 5  # [points]
 POINTS_PER_INCH = 72.0
+NEAR_TICK = 0.02  # of an axis
 LEAST_PLAIN, LARGEST_PLAIN = 1e-3, 1e4  # what an axis of powers of ten writes out
 INK, GRID = "#202020", "#e4e4e4"
 LOOK = {
@@ -55,8 +55,9 @@ LOOK = {
     "path.simplify": True,
     "agg.path.chunksize": 10000,
 }
-MARKS = {"none": "None", "dot": "o", "cross": "x"}
-LINES = {"none": "None", "solid": "-", "dashed": (0, (5, 3))}
+# of a curve without a colour of its own, by how often the palette was used up before it
+MARKS = {"none": ["None"], "dot": ["o", "s", "^", "D"], "cross": ["x"]}
+LINES = {"none": ["None"], "solid": ["-", (0, (6, 1.5)), (0, (1, 1)), (0, (6, 1, 1, 1))], "dashed": [(0, (5, 3))]}
 
 
 def draw(description: Any, path: Union[str, "os.PathLike[str]"]) -> None:
@@ -84,17 +85,22 @@ def _replace(file: pathlib.Path, data: bytes) -> None:
         raise
 
 
-def make(said: Any) -> Figure:
-    """The figure of a description that was read (description.Figure)."""
-    rows = -(-len(said.panels) // said.columns)
-    width, height = said.size or _size_of(said.panels, said.columns, rows)
-    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
+def make(said: Description) -> Figure:
+    figure = Figure(dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
+    width = said.size[0] / said.columns if said.size else None
+    cells = [
+        _Cell(figure.add_axes((0.0, 0.0, 1.0, 1.0), label=str(number)), panel, width)
+        for number, panel in enumerate(said.panels)
+    ]
+    rows = [cells[first : first + said.columns] for first in range(0, len(cells), said.columns)]
+    top = TITLE_HEIGHT if said.title else MARGIN
+    width, height = said.size or _size_of(rows, said.columns, top)
+    figure.set_size_inches((width + 0.01) / DPI, (height + 0.01) / DPI)  # matplotlib rounds pixels down
     if said.title:
         y = 1.0 - 0.5 * TITLE_HEIGHT / height
         figure.text(0.5, y, said.title, size=TITLE_SIZE, ha="center", va="center", parse_math=False)
-    cells = [_Cell(figure.add_axes((0.0, 0.0, 1.0, 1.0), label=str(number)), panel) for number, panel in enumerate(said.panels)]
-    _place(figure, cells, said.columns, TITLE_HEIGHT if said.title else MARGIN)
+    _place(rows, width, height, said.columns, top)
     for cell in cells:
         cell.axes.apply_aspect()
         for line, band in cell.bands:
@@ -105,31 +111,47 @@ def make(said: Any) -> Figure:
 class _Cell:
     """A panel with what lies about it [pixels]."""
 
-    def __init__(self, axes: Axes, panel: Panel) -> None:
+    def __init__(self, axes: Axes, panel: Panel, width: Optional[float]) -> None:
         self.axes = axes
         self.bands, entries = _draw_panel(axes, panel)
         self.top = MARGIN + LINE_HEIGHT * (panel.title.count("\n") + 1 if panel.title else 0)
-        self.bottom = (TICKS_HEIGHT if panel.axes else MARGIN) + (LINE_HEIGHT if panel.x_label else 0)
+        self.bottom = MARGIN + TICKS_HEIGHT * panel.axes + (LINE_HEIGHT if panel.x_label else 0)
         self.left = TICKS_WIDTH if panel.axes else MARGIN
         self.right = 2 * MARGIN  # half of an axis' last number
+        self.inner = (SQUARE, SQUARE) if panel.equal else (PANEL_WIDTH, PANEL_HEIGHT)
         if entries and panel.legend == "right":
-            legend = _legend(axes, entries, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-            self.right += legend.get_window_extent().width
+            beside = ScaledTranslation(self.right / DPI, 0.0, axes.figure.dpi_scale_trans)
+            where = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "bbox_transform": axes.transAxes + beside}
+            legend = _legend(axes, entries, **where).get_window_extent()
+            self.right += legend.width
+            self.inner = self.inner[0], max(self.inner[1], legend.height)
         elif entries:
-            columns = min(len(entries), 3)
-            place = axes.transAxes + ScaledTranslation(0.0, -self.bottom / DPI, axes.figure.dpi_scale_trans)
-            legend = _legend(axes, entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=place, ncol=columns)
-            self.bottom += legend.get_window_extent().height + 2 * MARGIN
+            under = ScaledTranslation(0.0, -self.bottom / DPI, axes.figure.dpi_scale_trans)
+            width = width or self.left + self.inner[0] + self.right
+            room = width - self.left + self.right - 2 * MARGIN  # the legend's middle is that of the axes
+            legend = _legend_below(axes, entries, room, bbox_transform=axes.transAxes + under)
+            self.bottom += legend.get_window_extent().height + MARGIN
 
 
-def _place(figure: Figure, cells: List[_Cell], columns: int, top: float) -> None:
+def _size_of(rows: List[List[_Cell]], columns: int, top: float) -> Tuple[int, int]:
+    """What gives every panel the room that it wants."""
+    cells = [cell for row in rows for cell in row]
+    about = max(cell.left for cell in cells) + max(cell.right for cell in cells)
+    inner = max(cell.inner[0] for cell in cells), max(cell.inner[1] for cell in cells)
+    height = top + len(rows) * inner[1] + sum(_height_about(row) for row in rows)
+    return round(columns * (about + inner[0])), round(height)
+
+
+def _height_about(row: List[_Cell]) -> float:
+    return max(cell.top for cell in row) + max(cell.bottom for cell in row)
+
+
+def _place(rows: List[List[_Cell]], width: float, height: float, columns: int, top: float) -> None:
     """Gives every panel as much room as the others, with their edges one above the other."""
-    width, height = figure.get_size_inches() * DPI
-    rows = [cells[first : first + columns] for first in range(0, len(cells), columns)]
+    cells = [cell for row in rows for cell in row]
     left, right = max(cell.left for cell in cells), max(cell.right for cell in cells)
-    about = sum(max(cell.top for cell in row) + max(cell.bottom for cell in row) for row in rows)
     inner_width = max(width / columns - left - right, 1.0)
-    inner_height = max((height - top - about) / len(rows), 1.0)
+    inner_height = max((height - top - sum(_height_about(row) for row in rows)) / len(rows), 1.0)
     y = height - top
     for row in rows:
         y -= max(cell.top for cell in row) + inner_height
@@ -137,18 +159,6 @@ def _place(figure: Figure, cells: List[_Cell], columns: int, top: float) -> None
             x = number * width / columns + left
             cell.axes.set_position((x / width, y / height, inner_width / width, inner_height / height))
         y -= max(cell.bottom for cell in row)
-
-
-def _size_of(panels: List[Panel], columns: int, rows: int) -> Tuple[int, int]:
-    if any(panel.equal for panel in panels):
-        return columns * SQUARE, rows * SQUARE + TITLE_HEIGHT
-    beside = any(_named(panel) and panel.legend == "right" for panel in panels)
-    return columns * (PANEL_WIDTH + beside * LEGEND_WIDTH), rows * PANEL_HEIGHT + TITLE_HEIGHT
-
-
-def _named(panel: Panel) -> bool:
-    drawn = (panel.curves, panel.shades, panel.bands, panel.bars, panel.polygons)
-    return any(item.name for items in drawn for item in items)
 
 
 def _width_of(axes: Axes, radius: float) -> float:
@@ -164,7 +174,8 @@ def _draw_panel(axes: Axes, panel: Panel) -> Tuple[List[Tuple[Line2D, Band]], Li
     axes.set_ylabel(panel.y_label, parse_math=False)
     axes.set_axisbelow(True)
     axes.grid(True)
-    axes.margins(x=0.0 if panel.axes else 0.05, y=0.05)
+    marked = any(curve.marks != "none" for curve in panel.curves)
+    axes.margins(x=0.05 if not panel.axes else 0.02 if marked else 0.0, y=0.05)
     axes.set_xscale(panel.x_scale)
     axes.set_yscale(panel.y_scale)
     legend: List[Tuple[Any, str]] = []
@@ -187,14 +198,17 @@ def _draw_panel(axes: Axes, panel: Panel) -> Tuple[List[Tuple[Line2D, Band]], Li
             curve.x,
             curve.y,
             color=curve.color,
-            linestyle=LINES[curve.line],
+            linestyle=_turn(LINES[curve.line], curve.turn),
             linewidth=curve.width,
-            marker=MARKS[curve.marks],
+            marker=_turn(MARKS[curve.marks], curve.turn),
             markersize=curve.mark_size,
             markeredgewidth=0.0 if curve.marks == "dot" else 1.8,
             zorder=3,
         )
-        legend.append((line, curve.name))
+        seen = Line2D([], [])  # small marks are not seen in a legend
+        seen.update_from(line)
+        seen.set_markersize(max(curve.mark_size, LEGEND_MARK))
+        legend.append((seen, curve.name))
     for shade in panel.shades:
         for first, last in shade.intervals:
             axes.axvspan(first, last, shade.low, shade.high, color=shade.color, linewidth=0.0, zorder=0)
@@ -207,6 +221,10 @@ def _draw_panel(axes: Axes, panel: Panel) -> Tuple[List[Tuple[Line2D, Band]], Li
     if not panel.axes:
         axes.set_axis_off()
     return bands, [(handle, name) for handle, name in legend if name]
+
+
+def _turn(looks: List[Any], turn: int) -> Any:
+    return looks[turn % len(looks)]
 
 
 def _by_look(panel: Panel) -> List[List[Any]]:
@@ -229,6 +247,8 @@ def _any_point(panel: Panel) -> bool:
 
 def _limit(axes: Axes, panel: Panel) -> None:
     axes.autoscale_view()
+    if panel.x_scale == "linear":
+        axes.set_xlim(*_to_ticks(axes.xaxis))
     axes.set_xlim(*panel.x_limits)
     axes.set_ylim(*panel.y_limits)
     if panel.equal:
@@ -238,11 +258,22 @@ def _limit(axes: Axes, panel: Panel) -> None:
             _plain_numbers(axis)
 
 
-def _plain_numbers(axis: Any) -> None:
-    """0.01, 0.1, 1, 10 in place of powers of ten, and between them where there is less than one decade."""
+def _to_ticks(axis: Any) -> Tuple[float, float]:
+    """From where to where it goes, with the tick beyond an end that is all but reached: 5 s of steps that begin at 4.99."""
     low, high = axis.get_view_interval()
-    decades = np.log10(high / low)
-    axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 1.5 else (1.0, 2.0, 5.0), numticks=12))
+    near = NEAR_TICK * (high - low)
+    for tick in axis.get_major_locator().tick_values(low, high):
+        low = tick if low - near < tick < low else low
+        high = tick if high < tick < high + near else high
+    return low, high
+
+
+def _plain_numbers(axis: Any) -> None:
+    """0.01, 0.1, 1, 10 in place of powers of ten, and some between them where there are few."""
+    low, high = axis.get_view_interval()
+    powers = np.floor(np.log10(high)) - np.ceil(np.log10(low)) + 1  # of ten, within
+    between = (1.0,) if powers > 2 else (1.0, 2.0, 5.0) if powers > 1 else (1.0, 2.0, 3.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=between, numticks=12))
     axis.set_minor_formatter(NullFormatter())
 
     def text(value: float, _: Any) -> str:
@@ -257,8 +288,17 @@ def _plain_numbers(axis: Any) -> None:
 
 def _legend(axes: Axes, entries: List[Tuple[Any, str]], **where: Any) -> Legend:
     # numbers first: matplotlib leaves out names that begin with "_"
-    legend = axes.legend([handle for handle, _ in entries], [str(i) for i in range(len(entries))], borderaxespad=0.6, **where)
+    legend = axes.legend([handle for handle, _ in entries], [str(i) for i in range(len(entries))], borderaxespad=0.0, **where)
     for text, (_, name) in zip(legend.get_texts(), entries):
         text.set_parse_math(False)
         text.set_text(name)
+    return legend
+
+
+def _legend_below(axes: Axes, entries: List[Tuple[Any, str]], room: float, **where: Any) -> Legend:
+    """In as few lines as there is room for."""
+    for columns in range(len(entries), 0, -1):
+        legend = _legend(axes, entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=columns, **where)
+        if columns == 1 or legend.get_window_extent().width <= room:
+            break
     return legend

@@ -32,7 +32,7 @@ Facts healthy() {
   facts.machine = {4, "tsc", {"performance"}};
   facts.profile = {"loopback", "loopback.xml", "", {{"lo", true, true}}, false, {"lo"}};
   facts.folders = {{"runtime folder", "/run/c3rt", "", kGibibyte}};
-  facts.tools = {{"gnuplot", "apt install gnuplot-nox", "pictures", true}};
+  facts.tools = {{"matplotlib", "apt install python3-matplotlib", "pictures", true}};
   return facts;
 }
 
@@ -146,8 +146,8 @@ TEST_CASE("doctor: one change of the facts is one complaint, with what to do abo
        "runtime folder", "100 MiB free", "du -xhd1 /run/c3rt"},
       {"no room", [](Facts& f) { f.folders[0].free_bytes = 4096; }, Verdict::kProblem,
        "runtime folder", "4 KiB free", "du -xhd1 /run/c3rt"},
-      {"no gnuplot", [](Facts& f) { f.tools[0].found = false; }, Verdict::kWarning, "gnuplot",
-       "without it no pictures", "apt install gnuplot-nox"},
+      {"no matplotlib", [](Facts& f) { f.tools[0].found = false; }, Verdict::kWarning,
+       "matplotlib", "without it no pictures", "apt install python3-matplotlib"},
   }));
   CAPTURE(what);
   Facts facts = healthy();

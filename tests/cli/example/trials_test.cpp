@@ -171,7 +171,7 @@ TEST_CASE("the table of a trajectory has a row for each state and a name for eac
       REQUIRE(std::count(line.begin(), line.end(), ',') == s.n_x + s.n_u + s.n_lambda + 1);
     }
     CHECK(rows == 1 + result.first.x.cols());
-    CHECK(draw_panels(folder.path() / "t.png", name,
-                      trajectory_panels(example.experiment, result.first)) == "");
+    CHECK(draw({{folder.path() / "t.png",
+                 {name, trajectory_panels(example.experiment, result.first)}}}) == "");
   }
 }
