@@ -137,10 +137,11 @@ ordered_json drawn(const std::vector<Picture>& pictures, std::string& why) {
   ordered_json list = ordered_json::array();
   for (const Picture& picture : pictures)
     list.push_back({{"file", picture.file.string()}, {"figure", to_json(picture.figure)}});
+  // safe: from the working folder no module is taken
   const ProgramEnd end = run_program(
       {python.program, "-B", "-m", "c3rt.pictures"}, ordered_json{{"pictures", list}}.dump(),
       kPatience + kPatienceEach * static_cast<double>(pictures.size()),
-      {"PYTHONPATH=" + package_path()});
+      {"PYTHONPATH=" + package_path(), "PYTHONSAFEPATH=1"});
   const std::string said = last_line(end.output);
   const ordered_json answer = ordered_json::parse(said, nullptr, false);
   if (answer.is_object() && answer.contains("missing")) return answer["missing"];

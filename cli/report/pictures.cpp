@@ -20,7 +20,7 @@ constexpr std::size_t kLargestPlot = 4000;  // points of one line
 constexpr double kFarthest = 0.2;           // a lost object must not shrink the path to a point [m]
 
 constexpr std::array<const char*, kMaxObjects> kObjectColours{
-    kInk, "#009e73", kRed, "#cc79a7", "#56b4e9", kAmber, "#7f3b08", kGrey};
+    kInk, "#009e73", kAmber, "#cc79a7", "#56b4e9", "#7f3b08", kGrey, "#aa4499"};
 
 std::size_t stride(std::size_t count) { return std::max<std::size_t>(1, count / kLargestPlot); }
 

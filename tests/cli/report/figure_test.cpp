@@ -1,5 +1,6 @@
 #include "cli/report/figure.hpp"
 
+#include <fstream>
 #include <limits>
 
 #include <catch2/catch.hpp>
@@ -74,6 +75,16 @@ TEST_CASE("figure: Python knows every key, and draws all pictures of one call") 
   CHECK(draw({{folder.path() / "a.png", everything()}, {folder.path() / "b.png", sized}}) == "");
   for (const char* name : {"a.png", "b.png"})
     CHECK(std::filesystem::file_size(folder.path() / name) > 1000);
+}
+
+TEST_CASE("figure: what lies in the working folder is not taken for a module of Python") {
+  const Folder folder;
+  std::ofstream(folder.path() / "json.py") << "raise SystemExit(5)\n";
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const std::string said = draw({{folder.path() / "a.png", {"", {{"", "", "", {}}}}}});
+  std::filesystem::current_path(before);
+  CHECK(said == "");
 }
 
 TEST_CASE("figure: what is missing is named with its reason, and the others are there") {
