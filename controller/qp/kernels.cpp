@@ -53,6 +53,7 @@ C3RT_INLINE void accumulate_fours(const double* X, int ld, int count, const int*
 template <bool kSubtract>
 C3RT_INLINE void accumulate(int rows, const double* X, int ld, int count, const double* c,
                             int stride, double* y) {
+  if (count == 0) return;  // X may be null then
   for (int left = rows / 4; left > 0;) {
     const int fours = std::min(left, kMaxFours);
     switch (fours) {
