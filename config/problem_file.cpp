@@ -129,6 +129,7 @@ void read_weight(JsonReader& params, const c3::ProjectionWeight& weight, Problem
       break;
     case Shape::kOfForces:
     case Shape::kOfGaps:
+    case Shape::kOfContacts:
       weight.vector(p.costs) = params.numbers(name, p.sizes.n_lambda);
       break;
     case Shape::kNumber:

@@ -29,6 +29,9 @@ struct ConvexWeights {
 /// consensus term in the QP, non-negative; u: of the projection, positive.
 struct PlusWeights {
   Eigen::VectorXd g_lambda, g_eta, u_lambda, u_eta;
+  /// Empty, or 1 and more: the last of two or more QPs goes towards δ itself instead of δ − w, and
+  /// this multiplies g_lambda of a pair whose force is 0 in δ, else its g_eta.
+  Eigen::VectorXd final_scale = {};
 };
 
 /// Weights of Algorithm 1, all symmetric: those of qp::Costs and of

@@ -172,7 +172,7 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
       return fail(failure);
     }
   }
-  qp_->start(lcs, consensus_->start(lcs), settings_.fix_lambda_0 ? &lambda_0_ : nullptr);
+  qp_->start(lcs, consensus_->start(lcs), fixed_lambda_0());
   for (Worker& worker : workers_) worker.lcs = nullptr;
   if (start != nullptr && start->delta.size() != 0) {
     solution_.delta = start->delta;
@@ -184,7 +184,13 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   solution_.status = SolveStatus::kOk;
   for (int i = 0; i < settings_.admm_iterations; ++i) {
     const double rho = solution_.rho;
-    consensus_->set_linear_term(solution_.delta, solution_.w, g_);
+    const bool last = i + 1 == settings_.admm_iterations;
+    if (last && i > 0 && finish(lcs)) {
+      v_.setZero();
+      consensus_->set_linear_term(solution_.delta, v_, g_);
+    } else {
+      consensus_->set_linear_term(solution_.delta, solution_.w, g_);
+    }
     solution_.qp = qp_->solve(rho, x0, x_desired, g_, z_, x_N_);  // [C3, eq. (21)]
     if (solution_.qp.status != QpStatus::kSolved) return fail(Failure::kQp);
     if (!z_.allFinite() || !x_N_.allFinite()) return fail(Failure::kNotFinite);
@@ -192,7 +198,6 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
     solution_.x_N = x_N_;
     consensus_->append(solution_.z);
     ++solution_.iterations;
-    const bool last = i + 1 == settings_.admm_iterations;
     if (last && !settings_.project_last) {
       record(lcs, rho, false);
       break;
@@ -215,6 +220,18 @@ const Solution& Solver::run(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   const bool finite = solution_.z.allFinite() && solution_.delta.allFinite() &&
                       solution_.w.allFinite() && std::isfinite(solution_.complementarity_violation);
   return finite ? solution_ : fail(Failure::kNotFinite);
+}
+
+const VectorXd* Solver::fixed_lambda_0() const noexcept {
+  return settings_.fix_lambda_0 ? &lambda_0_ : nullptr;
+}
+
+/// The last QP goes towards δ itself: false where it is as the others.
+bool Solver::finish(Horizon lcs) noexcept {
+  const StageMatrices W = consensus_->finish(solution_.delta);
+  if (W.first == nullptr) return false;
+  qp_->start(lcs, W, fixed_lambda_0());
+  return true;
 }
 
 void Solver::polish(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,

@@ -164,6 +164,8 @@ class Solver {
   const Solution& run(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,
                       const Eigen::Ref<const Eigen::MatrixXd>& x_desired, const Deadline& deadline,
                       const Start* start) noexcept;
+  const Eigen::VectorXd* fixed_lambda_0() const noexcept;
+  bool finish(Horizon lcs) noexcept;
   void reset() noexcept;
   const Solution& fail(Failure failure) noexcept;
   void polish(Horizon lcs, const Eigen::Ref<const Eigen::VectorXd>& x0,

@@ -99,9 +99,12 @@ void load_weights(config::Section section, const c3::Sizes& s, Experiment& e) {
     const std::vector<c3::ProjectionWeight>& weights = other().weights;
     if (weights.empty() || !section.given(other().key, &other() == &type, chosen)) continue;
     config::Section own = section.section(other().key);
-    for (const c3::ProjectionWeight& weight : weights)
+    for (const c3::ProjectionWeight& weight : weights) {
+      if (weight.shape == c3::ProjectionWeight::Shape::kOfContacts && !own.has(weight.key))
+        continue;
       weight.fill(costs, s,
                   own.number(weight.key, {weight.minimum, std::min(weight.maximum, kWeight.max)}));
+    }
   }
 }
 

@@ -24,7 +24,7 @@ PhaseWeights::Rows load_rows(config::Section& section, const std::string& key,
 }
 
 /// The weights that one projection alone has; those of x and u are U's.
-std::map<std::string, PhaseWeights::Rows> load_own(config::Section section,
+std::map<std::string, PhaseWeights::Rows> load_own(config::Section& section,
                                                    const c3::ProjectionType& type) {
   using Shape = c3::ProjectionWeight::Shape;
   std::map<std::string, PhaseWeights::Rows> own;
@@ -33,6 +33,7 @@ std::map<std::string, PhaseWeights::Rows> load_own(config::Section section,
     switch (weight.shape) {
       case Shape::kOfStates:
       case Shape::kOfInputs:
+      case Shape::kOfContacts:
         break;
       case Shape::kOfGaps:
         own[weight.key] = load_rows(section, weight.key, allowed);
@@ -47,6 +48,21 @@ std::map<std::string, PhaseWeights::Rows> load_own(config::Section section,
     }
   }
   return own;
+}
+
+/// Those that count contact by contact: of the kinds that are named, and 1 of the others.
+std::map<std::string, std::map<std::string, double>> load_of_contacts(
+    config::Section& section, const c3::ProjectionType& type, const model::Layout& layout) {
+  std::map<std::string, std::map<std::string, double>> all;
+  for (const c3::ProjectionWeight& weight : type.weights) {
+    if (weight.shape != c3::ProjectionWeight::Shape::kOfContacts || !section.has(weight.key))
+      continue;
+    config::Section of_contacts = section.section(weight.key);
+    for (const std::string& contact : contact_weights(layout))
+      all[weight.key][contact] =
+          of_contacts.number(contact, {weight.minimum, kWeight.max}, weight.minimum);
+  }
+  return all;
 }
 
 bool weighs_x(const c3::ProjectionType& type) {
@@ -80,7 +96,9 @@ PhaseWeights load_weights(config::Section section, const model::Layout& layout,
   }
   for (const auto other : c3::kProjectionTypes) {
     if (other().weights.empty() || !section.given(other().key, &other() == &type, chosen)) continue;
-    weights.of_projections[other().key] = load_own(section.section(other().key), other());
+    config::Section own = section.section(other().key);
+    weights.of_projections[other().key] = load_own(own, other());
+    weights.of_contacts[other().key] = load_of_contacts(own, other(), layout);
   }
   return weights;
 }

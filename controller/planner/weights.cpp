@@ -58,6 +58,24 @@ VectorXd of_rows(const PhaseWeights::Rows& rows, const model::LambdaLayout& lamb
   return result;
 }
 
+/// One number for all pairs of a contact.
+VectorXd of_contacts(const PlanningProblem& problem, const std::map<std::string, double>& weights) {
+  const model::LambdaLayout lambda = problem.lambda();
+  VectorXd result = VectorXd::Ones(lambda.size());
+  for (int i = 0; i < static_cast<int>(problem.contacts.size()); ++i) {
+    const int contact = problem.contacts[static_cast<std::size_t>(i)];
+    const auto found =
+        weights.find(problem.layout->contacts[static_cast<std::size_t>(contact)].weight);
+    if (found == weights.end()) continue;
+    if (lambda.has_normal()) {
+      result[lambda.gamma(i)] = found->second;
+      result[lambda.normal(i)] = found->second;
+    }
+    result.segment(lambda.edges(i), lambda.edge_count()).setConstant(found->second);
+  }
+  return result;
+}
+
 /// A weight that one projection alone has.
 void set(const c3::ProjectionWeight& weight, const PhaseWeights& weights,
          const std::map<std::string, PhaseWeights::Rows>& own, const model::LambdaLayout& lambda,
@@ -82,18 +100,27 @@ void set(const c3::ProjectionWeight& weight, const PhaseWeights& weights,
     case Shape::kOfGaps:
       weight.vector(costs) = of_rows(named(own, weight.key), lambda);
       break;
+    case Shape::kOfContacts:
+      break;  // see of_contacts
   }
 }
 
 }  // namespace
 
+std::vector<std::string> contact_weights(const model::Layout& layout) {
+  std::vector<std::string> names;
+  for (const model::ModelContact& contact : layout.contacts) {
+    if (std::find(names.begin(), names.end(), contact.weight) == names.end())
+      names.push_back(contact.weight);
+  }
+  return names;
+}
+
 std::vector<std::string> lambda_weights(const model::Layout& layout) {
   std::vector<std::string> names{"gamma"};
-  for (const model::ModelContact& contact : layout.contacts) {
-    const std::string normal = contact.weight + "_normal";
-    if (std::find(names.begin(), names.end(), normal) != names.end()) continue;
-    names.push_back(normal);
-    names.push_back(contact.weight + "_tangential");
+  for (const std::string& contact : contact_weights(layout)) {
+    names.push_back(contact + "_normal");
+    names.push_back(contact + "_tangential");
   }
   return names;
 }
@@ -121,6 +148,13 @@ c3::Costs costs_of(const PlanningProblem& problem, const PhaseWeights& weights, 
     if (own == weights.of_projections.end()) continue;
     for (const c3::ProjectionWeight& weight : type().weights)
       set(weight, weights, own->second, lambda, G_lambda, {n_x, n_lambda, n_u, 1}, costs);
+    const auto by_contact = weights.of_contacts.find(type().key);
+    if (by_contact == weights.of_contacts.end()) continue;
+    for (const c3::ProjectionWeight& weight : type().weights) {
+      const auto given = by_contact->second.find(weight.key);
+      if (given != by_contact->second.end())
+        weight.vector(costs) = of_contacts(problem, given->second);
+    }
   }
   return costs;
 }

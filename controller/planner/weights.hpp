@@ -26,11 +26,15 @@ struct PhaseWeights {
   // by the keys of a projection and of a weight that it alone has. Those of x and u are U_x and
   // U_u; one of forces in the consensus term that is not here is G's, contact by contact
   std::map<std::string, std::map<std::string, Rows>> of_projections;
+  // those that count contact by contact, by the contact's name in lambda_weights(); 1 without
+  std::map<std::string, std::map<std::string, std::map<std::string, double>>> of_contacts;
 };
 
 /// The names of λ's weights for all contacts of a model: "gamma", then "…_normal" and
 /// "…_tangential" of each kind of contact.
 std::vector<std::string> lambda_weights(const model::Layout& layout);
+/// The names of the kinds of contact alone.
+std::vector<std::string> contact_weights(const model::Layout& layout);
 
 /// The planning problem of a scenario: a model with the contacts that it plans with.
 struct PlanningProblem {

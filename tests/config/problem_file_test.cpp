@@ -333,6 +333,11 @@ TEST_CASE("problem file: the weights of C3+ are a number or a list") {
              Contains("params.u_eta[0]: expected a positive number, got 0"));
   CHECK_THAT(refusal(set("/params/g_eta", -1), plus_problem()),
              Contains("params.g_eta[0]: expected a number of 0 or more, got -1"));
+  CHECK(p.costs.plus.final_scale.size() == 0);
+  json["params"]["final_scale"] = 100;
+  CHECK(read(json).costs.plus.final_scale == Eigen::VectorXd::Constant(1, 100.0));
+  CHECK_THAT(refusal(set("/params/final_scale", 0.5), plus_problem()),
+             Contains("params.final_scale[0]: expected a number of 1 or more, got 0.5"));
 }
 
 TEST_CASE("problem file: a refusal names the key, what was expected and what came") {

@@ -351,6 +351,15 @@ TEST_CASE("scenario: what is there is checked though it is not chosen") {
              Contains("vision.detector.rays: expected an integer"));
   CHECK_THAT(error_with("circle_slow", "planner: {weights: {roll: {plus: {g_etta: 1}}}}\n"),
              Contains("own.yaml:4: planner.weights.roll.plus.g_etta: unknown key"));
+  const auto final_scale = [](const std::string& contacts) {
+    return error_with("circle_slow",
+                      "planner: {weights: {roll: {plus: {final_scale: " + contacts + "}}}}\n");
+  };
+  CHECK(final_scale("{end_effector: 1000}") == "no error");
+  CHECK_THAT(final_scale("{end_effector: 0.5}"),
+             Contains("plus.final_scale.end_effector: expected a number in [1, "));
+  CHECK_THAT(final_scale("{end_effector_cube: 2}"),
+             Contains("plus.final_scale.end_effector_cube: unknown key"));
 }
 
 TEST_CASE("scenario: another end effector in the robot's description is that of arm and plant") {

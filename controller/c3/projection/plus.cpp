@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "controller/c3/consensus.hpp"
@@ -64,6 +66,8 @@ class GapConsensus final : public Consensus {
       : sizes_(sizes),
         J_(sizes.N, MatrixXd::Zero(sizes.n_lambda, sizes.n_z())),
         W_(sizes.N, MatrixXd::Zero(sizes.n_z(), sizes.n_z())),
+        g_lambda_(MatrixXd::Zero(sizes.n_lambda, sizes.N)),
+        g_eta_(MatrixXd::Zero(sizes.n_lambda, sizes.N)),
         y_(VectorXd::Zero(sizes.n_lambda)) {}
 
   int n_copy() const noexcept override { return sizes_.n_z() + sizes_.n_lambda; }
@@ -73,26 +77,29 @@ class GapConsensus final : public Consensus {
 
   StageMatrices start(Horizon lcs) noexcept override {
     lcs_ = lcs;
+    g_lambda_.colwise() = weights_.g_lambda;
+    g_eta_.colwise() = weights_.g_eta;
     const int systems = lcs.stride == 0 ? 1 : sizes_.N;
     for (int k = 0; k < systems; ++k) {
       MatrixXd& J = J_[k];
       J.leftCols(sizes_.n_x) = lcs[k].E;
       J.middleCols(sizes_.n_x, sizes_.n_lambda) = lcs[k].F;
       J.rightCols(sizes_.n_u) = lcs[k].H;
-      MatrixXd& W = W_[k];
-      W.setZero();
-      W.diagonal().segment(sizes_.n_x, sizes_.n_lambda) = weights_.g_lambda;
-      // row by row: contact rows are mostly zeros
-      for (int row = 0; row < sizes_.n_lambda; ++row) {
-        for (int col = 0; col < sizes_.n_z(); ++col) {
-          const double weighted = weights_.g_eta[row] * J(row, col);
-          if (weighted == 0.0) continue;
-          for (int other = 0; other < sizes_.n_z(); ++other)
-            W(other, col) += weighted * J(row, other);
-        }
-      }
+      weigh(k);
     }
     return {W_.data(), lcs.stride == 0 ? 0 : 1};
+  }
+
+  /// The side that δ has as zero is drawn there by its multiplied weight.
+  StageMatrices finish(const MatrixXd& delta) noexcept override {
+    if (weights_.final_scale.size() == 0) return {nullptr, 0};
+    for (int k = 0; k < sizes_.N; ++k) {
+      const auto lambda = sizes_.lambda(delta.col(k));
+      for (int i = 0; i < sizes_.n_lambda; ++i)
+        (lambda[i] == 0.0 ? g_lambda_ : g_eta_)(i, k) *= weights_.final_scale[i];
+      weigh(k);
+    }
+    return {W_.data(), 1};
   }
 
   void set_linear_term(const MatrixXd& deltas, const MatrixXd& ws, MatrixXd& g) noexcept override {
@@ -100,8 +107,8 @@ class GapConsensus final : public Consensus {
     for (int k = 0; k < sizes_.N; ++k) {
       const auto delta = deltas.col(k), w = ws.col(k);
       sizes_.lambda(g.col(k)) =
-          weights_.g_lambda.cwiseProduct(sizes_.lambda(delta) - sizes_.lambda(w));
-      y_ = weights_.g_eta.cwiseProduct(sizes_.eta(delta) - sizes_.eta(w) - lcs_[k].c);
+          g_lambda_.col(k).cwiseProduct(sizes_.lambda(delta) - sizes_.lambda(w));
+      y_ = g_eta_.col(k).cwiseProduct(sizes_.eta(delta) - sizes_.eta(w) - lcs_[k].c);
       g.col(k).noalias() += J_[k * lcs_.stride].transpose() * y_;
     }
   }
@@ -115,11 +122,28 @@ class GapConsensus final : public Consensus {
   }
 
  private:
+  void weigh(int k) noexcept {
+    const MatrixXd& J = J_[k * lcs_.stride];
+    MatrixXd& W = W_[k];
+    W.setZero();
+    W.diagonal().segment(sizes_.n_x, sizes_.n_lambda) = g_lambda_.col(k);
+    // row by row: contact rows are mostly zeros
+    for (int row = 0; row < sizes_.n_lambda; ++row) {
+      for (int col = 0; col < sizes_.n_z(); ++col) {
+        const double weighted = g_eta_(row, k) * J(row, col);
+        if (weighted == 0.0) continue;
+        for (int other = 0; other < sizes_.n_z(); ++other)
+          W(other, col) += weighted * J(row, other);
+      }
+    }
+  }
+
   Sizes sizes_;
   PlusWeights weights_;
   Horizon lcs_{nullptr, 0};
-  std::vector<MatrixXd> J_;  // (n_lambda × n_z), N of them
-  std::vector<MatrixXd> W_;  // (n_z × n_z), N of them
+  std::vector<MatrixXd> J_;    // (n_lambda × n_z), N of them
+  std::vector<MatrixXd> W_;    // (n_z × n_z), N of them
+  MatrixXd g_lambda_, g_eta_;  // (n_lambda × N)
   VectorXd y_;
 };
 
@@ -132,6 +156,15 @@ void check_plus(const Costs& costs, const Sizes& sizes) {
   qp::require_vector("Costs.plus.g_eta", costs.plus.g_eta, sizes.n_lambda, true);
   qp::require_vector("Costs.plus.u_lambda", costs.plus.u_lambda, sizes.n_lambda, false);
   qp::require_vector("Costs.plus.u_eta", costs.plus.u_eta, sizes.n_lambda, false);
+  const VectorXd& scale = costs.plus.final_scale;
+  if (scale.size() == 0) return;
+  qp::require_vector("Costs.plus.final_scale", scale, sizes.n_lambda, true);
+  for (Eigen::Index i = 0; i < scale.size(); ++i) {
+    if (!(scale[i] >= 1.0))
+      throw std::invalid_argument("Costs.plus.final_scale[" + std::to_string(i) +
+                                  "]: expected a number of 1 or more, got " +
+                                  std::to_string(scale[i]));
+  }
 }
 
 std::vector<ProjectionWeight> plus_weights() {
@@ -146,7 +179,11 @@ std::vector<ProjectionWeight> plus_weights() {
   u_eta.vector = [](Costs& costs) -> VectorXd& { return costs.plus.u_eta; };
   for (ProjectionWeight* weight : {&g_lambda, &g_eta, &u_lambda, &u_eta}) weight->minimum = 1e-12;
   g_lambda.of_consensus = g_eta.of_consensus = true;
-  return {g_lambda, g_eta, u_lambda, u_eta};
+  ProjectionWeight final_scale{"final_scale", "final_scale", Shape::kOfContacts};
+  final_scale.vector = [](Costs& costs) -> VectorXd& { return costs.plus.final_scale; };
+  final_scale.minimum = 1.0;
+  final_scale.has_default = true;
+  return {g_lambda, g_eta, u_lambda, u_eta, final_scale};
 }
 
 }  // namespace

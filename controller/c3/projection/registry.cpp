@@ -16,6 +16,7 @@ void ProjectionWeight::fill(Costs& costs, const qp::Sizes& sizes, double value) 
       break;
     case Shape::kOfForces:
     case Shape::kOfGaps:
+    case Shape::kOfContacts:
       vector(costs).setConstant(sizes.n_lambda, value);
       break;
     case Shape::kNumber:

@@ -36,8 +36,8 @@ enum class ProjectionKind {
 
 /// A weight that one projection alone has: its place in Costs, and what files may say of it.
 struct ProjectionWeight {
-  /// (n_x × n_x), (n_u × n_u), (n_lambda) of λ and of the gaps η, one number
-  enum class Shape { kOfStates, kOfInputs, kOfForces, kOfGaps, kNumber };
+  /// (n_x × n_x), (n_u × n_u), (n_lambda) of λ, of the gaps η and of contacts, one number
+  enum class Shape { kOfStates, kOfInputs, kOfForces, kOfGaps, kOfContacts, kNumber };
 
   const char* key;           // in scenarios, in the section that has the projection's key
   const char* problem_name;  // in files of `c3rt solve`

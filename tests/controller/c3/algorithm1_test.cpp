@@ -76,9 +76,19 @@ constexpr ProjectionKind kAllKinds[] = {ProjectionKind::kMiqp, ProjectionKind::k
                                         ProjectionKind::kAdmm, ProjectionKind::kConvex,
                                         ProjectionKind::kPlus};
 
+/// g_λ and g_η of each stage (n_lambda × N).
+struct PlusReferenceWeights {
+  MatrixXd lambda, eta;
+};
+PlusReferenceWeights same_weights(const Problem& p) {
+  return {p.costs.plus.g_lambda.replicate(1, p.sizes.N),
+          p.costs.plus.g_eta.replicate(1, p.sizes.N)};
+}
+
 /// The QP of C3+ with η as variables of their own, as one dense KKT system:
 /// v = [z_0 … z_{N−1}; x_N; η_0 … η_{N−1}].
-MatrixXd plus_reference(const Problem& p, double rho, const MatrixXd& delta, const MatrixXd& w) {
+MatrixXd plus_reference(const Problem& p, double rho, const PlusReferenceWeights& g,
+                        const MatrixXd& target_of_all) {
   const auto [n_x, n_lambda, n_u, N] = p.sizes;
   const int n_z = p.sizes.n_z(), x_N = N * n_z, eta = x_N + n_x;
   const int n = eta + N * n_lambda, m = (N + 1) * n_x + N * n_lambda;
@@ -88,13 +98,12 @@ MatrixXd plus_reference(const Problem& p, double rho, const MatrixXd& delta, con
     const int z = k * n_z, lambda = z + n_x, u = lambda + n_lambda, e = eta + k * n_lambda;
     kkt.block(z, z, n_x, n_x) = p.costs.Q[k];
     right.segment(z, n_x) = p.costs.Q[k] * p.x_desired.col(k);
-    kkt.block(lambda, lambda, n_lambda, n_lambda) = rho * p.costs.plus.g_lambda.asDiagonal();
+    kkt.block(lambda, lambda, n_lambda, n_lambda) = rho * g.lambda.col(k).asDiagonal();
     kkt.block(u, u, n_u, n_u) = p.costs.R[k];
-    kkt.block(e, e, n_lambda, n_lambda) = rho * p.costs.plus.g_eta.asDiagonal();
-    const VectorXd target = delta.col(k) - w.col(k);
-    right.segment(lambda, n_lambda) =
-        rho * p.costs.plus.g_lambda.cwiseProduct(p.sizes.lambda(target));
-    right.segment(e, n_lambda) = rho * p.costs.plus.g_eta.cwiseProduct(p.sizes.eta(target));
+    kkt.block(e, e, n_lambda, n_lambda) = rho * g.eta.col(k).asDiagonal();
+    const auto target = target_of_all.col(k);
+    right.segment(lambda, n_lambda) = rho * g.lambda.col(k).cwiseProduct(p.sizes.lambda(target));
+    right.segment(e, n_lambda) = rho * g.eta.col(k).cwiseProduct(p.sizes.eta(target));
     const int step = n + (k + 1) * n_x, gap = n + (N + 1) * n_x + k * n_lambda;
     kkt.block(step, z, n_x, n_x) = p.lcs[k].A;
     kkt.block(step, lambda, n_x, n_lambda) = p.lcs[k].D;
@@ -135,7 +144,7 @@ TEST_CASE("C3+: the QP with substituted gaps is the QP with gap variables, itera
       MatrixXd delta = MatrixXd::Zero(p.sizes.n_z() + p.sizes.n_lambda, p.sizes.N), w = delta;
       for (int i = 0; i < 4; ++i) {
         const Iterate& iterate = solution.trace[i];
-        const MatrixXd reference = plus_reference(p, iterate.rho, delta, w);
+        const MatrixXd reference = plus_reference(p, iterate.rho, same_weights(p), delta - w);
         CAPTURE(seed, static_cast<int>(qp), i);
         CHECK((iterate.z - reference).cwiseAbs().maxCoeff() <
               (qp == QpBackend::kOsqp ? 1e-5 : 1e-8));
@@ -150,6 +159,84 @@ TEST_CASE("C3+: the QP with substituted gaps is the QP with gap variables, itera
       }
     }
   }
+}
+
+TEST_CASE(
+    "C3+: with a final scale the last QP goes towards δ itself, and harder where a side is zero") {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Problem p = random_problem(seed);
+    p.costs.plus.final_scale = VectorXd::LinSpaced(p.sizes.n_lambda, 1.0, 1000.0);
+    for (const bool one_system : {false, true}) {
+      if (one_system) {
+        for (lcs::Lcs& lcs : p.lcs) lcs = p.lcs[0];
+      }
+      for (const QpBackend qp : {QpBackend::kDirect, QpBackend::kInteriorPoint}) {
+        Settings with = settings(ProjectionKind::kPlus, 3, qp);
+        with.trace = true;
+        with.project_last = false;
+        Solver solver(p.sizes, with);
+        solver.set_costs(p.costs);
+        // a solve before must leave nothing behind
+        const auto solve = [&]() -> const Solution& {
+          return one_system ? solver.solve(p.lcs[0], p.x0, p.x_desired)
+                            : solver.solve(p.lcs, p.x0, p.x_desired);
+        };
+        solve();
+        const Solution& solution = solve();
+        REQUIRE(solution.status == SolveStatus::kOk);
+        CAPTURE(seed, one_system, static_cast<int>(qp));
+        const Iterate &before = solution.trace[1], &last = solution.trace[2];
+        const MatrixXd earlier = plus_reference(p, before.rho, same_weights(p),
+                                                solution.trace[0].delta - solution.trace[0].w);
+        CHECK((before.z - earlier).cwiseAbs().maxCoeff() < 1e-8);
+        PlusReferenceWeights g = same_weights(p);
+        for (int k = 0; k < p.sizes.N; ++k) {
+          const VectorXd lambda = p.sizes.lambda(before.delta.col(k));
+          for (int i = 0; i < p.sizes.n_lambda; ++i)
+            (lambda[i] == 0.0 ? g.lambda : g.eta)(i, k) *= p.costs.plus.final_scale[i];
+        }
+        const MatrixXd reference = plus_reference(p, last.rho, g, before.delta);
+        CHECK((last.z - reference).cwiseAbs().maxCoeff() < 1e-7);
+      }
+    }
+  }
+}
+
+TEST_CASE(
+    "C3+: a large final scale draws each pair's zero side to zero, as far as the other goes") {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Problem p = random_problem(seed);
+    Settings with = settings(ProjectionKind::kPlus, 5);
+    with.project_last = false;
+    Solver solver(p.sizes, with);
+    // of all pairs the largest distance from both axes; a force or a gap may still be negative
+    const auto farthest = [&] {
+      solver.set_costs(p.costs);
+      const Solution& solution = solver.solve(p.lcs, p.x0, p.x_desired);
+      double largest = 0.0;
+      for (int k = 0; k < p.sizes.N; ++k) {
+        const VectorXd lambda = p.sizes.lambda(solution.z.col(k)),
+                       eta = p.sizes.eta(solution.z.col(k));
+        largest = std::max(largest, lambda.cwiseAbs().cwiseMin(eta.cwiseAbs()).maxCoeff());
+      }
+      return largest;
+    };
+    const double without = farthest();
+    p.costs.plus.final_scale = VectorXd::Constant(p.sizes.n_lambda, 1e6);
+    const double scaled = farthest();
+    CAPTURE(seed, without, scaled);
+    CHECK(without > 1e-2);
+    CHECK(scaled < 1e-3);
+  }
+}
+
+TEST_CASE("C3+: a final scale below 1 is refused by its name") {
+  Problem p = random_problem(0);
+  Solver solver(p.sizes, settings(ProjectionKind::kPlus, 2));
+  p.costs.plus.final_scale = VectorXd::Constant(p.sizes.n_lambda, 0.5);
+  CHECK_THROWS_WITH(solver.set_costs(p.costs), Catch::Contains("plus.final_scale[0]") &&
+                                                   Catch::Contains("1 or more") &&
+                                                   Catch::Contains("0.5"));
 }
 
 TEST_CASE("solver: the trace holds Algorithm 1's recursion, its residuals and violations") {
@@ -260,7 +347,9 @@ TEST_CASE("solver: any number of threads gives the same bits") {
 }
 
 TEST_CASE("solver: no kind of projection and no back end allocates in a solve") {
-  const Problem p = random_problem(6), other = random_problem(60);
+  Problem p = random_problem(6);
+  const Problem other = random_problem(60);
+  p.costs.plus.final_scale = VectorXd::Constant(p.sizes.n_lambda, 10.0);
   Constraints constraints;
   constraints.u_min = VectorXd::Constant(p.sizes.n_u, -0.2);
   constraints.x_max = VectorXd::Constant(p.sizes.n_x, 5.0);

@@ -394,6 +394,20 @@ TEST_CASE("planner: C3+ without a weight of its own for forces weighs them as G 
   CHECK(u_with(0.02, 0.005, 0.2) != u);
 }
 
+TEST_CASE("planner: C3+'s final scale counts for all pairs of the contacts that are named") {
+  const Parameters p = parameters({"planner.c3.projection=plus"});
+  C3Controller c3(p);
+  PhaseWeights weights = p.roll;
+  weights.of_contacts["plus"] = {};
+  CHECK(costs_of(c3.problem(), weights).plus.final_scale.size() == 0);
+  weights.of_contacts["plus"]["final_scale"] = {{"end_effector", 50.0}};
+  const c3::Costs costs = costs_of(c3.problem(), weights);
+  // γ, normal force and the four edges of the first of two contacts
+  Eigen::VectorXd expected = Eigen::VectorXd::Ones(12);
+  for (const int pair : {0, 2, 4, 5, 6, 7}) expected[pair] = 50.0;
+  CHECK(costs.plus.final_scale == expected);
+}
+
 TEST_CASE("planner: a ball far from its path is brought back by targets near by") {
   Parameters p = parameters();
   p.heuristic.target_reach = 0.045;
