@@ -46,6 +46,11 @@ Progress::~Progress() {
   if (terminal_ && drawn_) fmt::print(stderr, "\r\x1b[K");
 }
 
+void Progress::say(const std::string& line) {
+  if (terminal_ && drawn_) fmt::print(stderr, "\r\x1b[K");
+  fmt::print(stderr, "{}\n", line);
+}
+
 bool Progress::is_time() {
   const double now = seconds_now();
   if (now - drawn_at_ < (terminal_ ? kTerminalPeriod : kLinePeriod)) return false;

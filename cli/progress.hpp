@@ -22,6 +22,8 @@ class Progress {
   void update(double share, const std::string& text);
   /// Of what has no known end.
   void update(const std::string& text);
+  /// A line that stays, above the one that is drawn over.
+  void say(const std::string& line);
 
  private:
   bool is_time();

@@ -243,10 +243,14 @@ class Chaos {
   void show(double lasted) {
     std::uint64_t violations = 0;
     std::size_t faults = 0;
+    std::vector<invariants::Violation> news;
     ears_.with([&](soak::Watch& watch) {
       violations = watch.violations.count();
+      news = watch.violations.take_news();
       faults = outcomes_.size() + ears_.recovery.outcomes().size();
     });
+    for (const invariants::Violation& violation : news)
+      progress_->say("violated: " + describe(violation));
     progress_->update(lasted / settings_.duration,
                       fmt::format("{:.0f} s, {} faults, {} violations{}", lasted, faults,
                                   violations, active_ ? ", " + describe(*active_) : ""));

@@ -3,10 +3,16 @@
 #include <algorithm>
 
 namespace c3rt::cli::invariants {
+namespace {
+
+// processes are looked at every few seconds: what two looks tell is one violation [s]
+constexpr double kEpisode = 15.0;
+
+}  // namespace
 
 void Processes::hear(double time, const ProcessSample& sample) {
   const auto violated = [&](const char* name, double value, double limit, const char* unit) {
-    violations_.add(name, sample.name, time, value, limit, unit);
+    violations_.add(name, sample.name, time, value, limit, unit, kEpisode);
   };
   const auto [found, fresh] = known_.try_emplace(sample.name);
   Course& course = found->second;

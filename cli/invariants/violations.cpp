@@ -20,10 +20,13 @@ void Violations::begin_pass(std::uint64_t pass, std::uint64_t seed) {
 }
 
 void Violations::add(const std::string& name, const std::string& subject, double time, double value,
-                     double limit, const std::string& unit) {
-  const auto [found, fresh] = open_.try_emplace(name + " " + subject, Open{time, kMostKept});
+                     double limit, const std::string& unit, double episode) {
+  const std::string key = name + " " + subject;
+  if (told_.insert(key).second)
+    news_.push_back({name, subject, time, value, limit, unit, pass_, seed_});
+  const auto [found, fresh] = open_.try_emplace(key, Open{time, kMostKept});
   Open& open = found->second;
-  if (fresh || time - open.last > kEpisode) {
+  if (fresh || time - open.last > episode) {
     ++count_;
     ++counts_[name];
     open.kept = kMostKept;
@@ -40,6 +43,12 @@ void Violations::add(const std::string& name, const std::string& subject, double
     }
   }
   open.last = time;
+}
+
+std::vector<Violation> Violations::take_news() {
+  std::vector<Violation> news;
+  news.swap(news_);
+  return news;
 }
 
 }  // namespace c3rt::cli::invariants

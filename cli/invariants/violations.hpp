@@ -2,6 +2,7 @@
 // What a watched run did that it must not do: bounded, however long it goes on.
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct Violation {
 /// A sentence for a person.
 std::string describe(const Violation& violation);
 
-/// Collects them. Samples that violate the same invariant less than kEpisode apart are one
+/// Collects them. Samples that violate the same invariant less than an episode apart are one
 /// violation.
 class Violations {
  public:
@@ -29,9 +30,12 @@ class Violations {
 
   /// From now on they are of this pass.
   void begin_pass(std::uint64_t pass, std::uint64_t seed);
-  /// @param time of the session [s]
+  /// @param time of the session [s]  @param episode of what is looked at seldom: longer [s]
   void add(const std::string& name, const std::string& subject, double time, double value,
-           double limit, const std::string& unit);
+           double limit, const std::string& unit, double episode = kEpisode);
+  /// For a person who looks on: what began since the last call, of each invariant and subject the
+  /// first of all passes.
+  std::vector<Violation> take_news();
 
   std::uint64_t count() const noexcept { return count_; }
   const std::map<std::string, std::uint64_t>& counts() const noexcept {
@@ -47,7 +51,8 @@ class Violations {
   std::uint64_t pass_ = 1, seed_ = 1, count_ = 0;
   std::map<std::string, std::uint64_t> counts_;
   std::map<std::string, Open> open_;  // of this pass, by name and subject
-  std::vector<Violation> kept_;
+  std::vector<Violation> kept_, news_;
+  std::set<std::string> told_;  // names and subjects
 };
 
 }  // namespace c3rt::cli::invariants

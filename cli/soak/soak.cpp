@@ -131,8 +131,14 @@ class Soak {
   }
 
   void show(double soaked) {
-    const std::uint64_t violations =
-        watch_.with([](Watch& watch) { return watch.violations.count(); });
+    std::uint64_t violations = 0;
+    std::vector<invariants::Violation> news;
+    watch_.with([&](Watch& watch) {
+      violations = watch.violations.count();
+      news = watch.violations.take_news();
+    });
+    for (const invariants::Violation& violation : news)
+      progress_->say("violated: " + describe(violation));
     double share = soaked / settings_.duration;
     if (settings_.passes > 0) {
       share = std::max(

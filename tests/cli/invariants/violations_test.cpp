@@ -34,6 +34,33 @@ TEST_CASE("violations: a pass begins without those of the one before") {
   CHECK(violations.count() == 3);
 }
 
+TEST_CASE("violations: what is looked at seldom goes on from one look to the next") {
+  Violations violations;
+  for (int i = 0; i < 10; ++i)
+    violations.add("memory", "plant", 300.0 + 5.0 * i, 2e8, 1e8, "bytes", 15.0);
+  CHECK(violations.count() == 1);
+  violations.add("memory", "plant", 400.0, 2e8, 1e8, "bytes", 15.0);
+  CHECK(violations.count() == 2);
+}
+
+TEST_CASE("violations: a person who looks on is told the first of each, once") {
+  Violations violations;
+  CHECK(violations.take_news().empty());
+  violations.begin_pass(2, 5);
+  violations.add("memory", "plant", 300.0, 2e8, 1e8, "bytes");
+  violations.add("memory", "plant", 400.0, 3e8, 1e8, "bytes");
+  violations.add("memory", "vision", 301.0, 2e8, 1e8, "bytes");
+  const std::vector<Violation> news = violations.take_news();
+  REQUIRE(news.size() == 2);
+  CHECK(news[0].subject == "plant");
+  CHECK(news[0].time == 300.0);
+  CHECK(news[0].seed == 5);
+  CHECK(news[1].subject == "vision");
+  violations.begin_pass(3, 6);
+  violations.add("memory", "plant", 300.0, 2e8, 1e8, "bytes");
+  CHECK(violations.take_news().empty());
+}
+
 TEST_CASE("violations: the first ones are kept, all are counted") {
   Violations violations;
   for (int i = 0; i < 10'000; ++i) violations.add("object", "sim/scene", 2.0 * i, 0.03, 0.02, "m");
