@@ -85,7 +85,7 @@ TEST_CASE("package: programs with any flags build, run and print the same bits")
   const c3rt::support::Outcome refused_domain =
       c3rt::support::outcome_of(quoted(consumer / "client") + " 231");
   CHECK(refused_domain.output == "domain: expected 0 to 230, got 231\n");
-  for (const std::string example : {"cpp_planner", "cpp_estimator"}) {
+  for (const std::string example : {"cpp_planner", "cpp_estimator", "cpp_mover"}) {
     const fs::path built = scratch / example;
     succeed(cmake + " -S " + quoted(fs::path(C3RT_SOURCE_DIRECTORY) / "examples" / example) +
             " -B " + quoted(built) + flags);

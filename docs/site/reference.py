@@ -213,7 +213,7 @@ def cpp(_build):
     text = (ROOT / "cmake/package.cmake").read_text(encoding="utf-8")
     rooms = [(room, "controller/" + room, words)
              for room, words in re.findall(r"^c3rt_export(?:_headers)?\((\w+)\s+HEADERS\s+([^)]*)\)", text, re.MULTILINE)]
-    rooms.append(("client", "idl/client", "client.hpp process.hpp planner.hpp estimator.hpp motion.hpp"))
+    rooms.append(("client", "idl/client", "client.hpp process.hpp planner.hpp estimator.hpp mover.hpp motion.hpp"))
     for room, folder, words in rooms:
         out += [f"## c3rt::{room}", ""]
         for header in (word for word in words.split() if word.endswith(".hpp")):

@@ -57,10 +57,24 @@ wire::BusSettings bus_of(wire::Process process, const Place& place) {
 
 /// What a person calls who plays the process.
 const char* role(wire::Process process) {
-  return process == c3rt_v2_PROCESS_VISION ? "estimator" : "planner";
+  switch (process) {
+    case c3rt_v2_PROCESS_VISION:
+      return "estimator";
+    case c3rt_v2_PROCESS_IMPEDANCE:
+      return "motion generator";
+    default:
+      return "planner";
+  }
 }
 const char* a_role(wire::Process process) {
-  return process == c3rt_v2_PROCESS_VISION ? "an estimator" : "a planner";
+  switch (process) {
+    case c3rt_v2_PROCESS_VISION:
+      return "an estimator";
+    case c3rt_v2_PROCESS_IMPEDANCE:
+      return "a motion generator";
+    default:
+      return "a planner";
+  }
 }
 
 }  // namespace

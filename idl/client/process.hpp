@@ -1,6 +1,6 @@
 #pragma once
-// What a planner and an estimator of one's own have in common: each plays one of c3rt's processes,
-// in real time or in the plant's time (c3rt run|up --without …).
+// What a planner, an estimator and a motion generator of one's own have in common: each plays one
+// of c3rt's processes, in real time or in the plant's time (c3rt run|up --without …).
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
@@ -52,7 +52,7 @@ class Process {
  protected:
   class Part;  // of one run()
 
-  /// @param process that is played: the planner or vision
+  /// @param process that is played: the planner, vision or impedance
   explicit Process(wire::Process process);
 
   /// A sentence for `c3rt status`, while run() goes on.

@@ -251,6 +251,32 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("cpp client: a motion generator takes impedance's place and turns a joint as it says") {
+  const cli::Folder folder;
+  const support::Outcome up =
+      c3rt_command("up circle_slow --without impedance --clock lockstep --out '" +
+                       folder.path().string() + "/out'",
+                   folder);
+  INFO(up.output);
+  REQUIRE(up.status == 0);
+  {
+    Example mover("lockstep", folder, {C3RT_CPP_MOVER});
+    const std::filesystem::path words = folder.path() / "example.log";
+    client::Client robot(test::test_domain());
+    const double before = robot.newest<wire::RobotState>(120.0).q_rad[6];
+    for (int i = 0; i < 1200 && text_of(words).empty(); ++i) usleep(100'000);
+    CHECK_THAT(text_of(words),
+               Catch::StartsWith("turned by 0.3") || Catch::StartsWith("turned by 0.299"));
+    const auto state = robot.newest<wire::RobotState>(120.0);
+    CHECK(state.q_rad[6] - before == Approx(0.3).margin(2e-3));
+    CHECK(state.mode == c3rt_v2_ROBOT_IDLE);
+    CHECK(state.errors == 0);
+    mover.signal(SIGTERM);
+    CHECK(mover.end().first == 0);
+  }
+  CHECK(c3rt_command("down", folder).status == 0);
+}
+
 TEST_CASE("cpp client: a camera of one's own finds the ball of each file") {
   const cli::Folder folder;
   const std::filesystem::path files = folder.path() / "files";
