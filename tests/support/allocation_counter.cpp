@@ -5,7 +5,12 @@
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define C3RT_COUNTS_ALLOCATIONS 0
-#else
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define C3RT_COUNTS_ALLOCATIONS 0
+#endif
+#endif
+#ifndef C3RT_COUNTS_ALLOCATIONS
 #define C3RT_COUNTS_ALLOCATIONS 1
 #endif
 
