@@ -74,7 +74,7 @@ TEST_CASE("mover: what no reader would let in is named") {
              Catch::Contains("q_rad"));
   CHECK_THAT(refusal_of(CartesianPose{{0.5, 0, 0.1}, {0, 0, 0, 0}}), Catch::Contains("q_WE"));
   CartesianPose pose{{0.5, 0, 0.1}};
-  pose.elbow = Elbow{0.0, 0.5};
+  pose.elbow = Elbow{0.0, 1.5};
   CHECK_THAT(refusal_of(pose), Catch::Contains("elbow_sign"));
 }
 

@@ -63,8 +63,8 @@ TEST_CASE("projections: what each says of its weights is all that its check asks
       CAPTURE(weight.key);
       CHECK(keys.insert(weight.key).second);
       CHECK(problem_names.insert(weight.problem_name).second);
-      CHECK((weight.minimum <= 0.5 && 0.5 <= weight.maximum));
-      weight.fill(costs, sizes, 0.5);
+      CHECK((weight.minimum <= 1.0 && 1.0 <= weight.maximum));
+      weight.fill(costs, sizes, 1.0);
     }
     CHECK_NOTHROW(check(costs, sizes, type().kind));
   }
