@@ -22,12 +22,14 @@ namespace c3rt::plant {
 bool divides_cycle(double step) noexcept;
 
 struct State {
-  double time;           // simulated [s]
-  Vector7d q;            // [rad]
-  Vector7d dq;           // [rad/s]
-  Vector7d tau;          // applied in the last cycle, after saturation, without gravity [N m]
-  Eigen::Vector3d p_WE;  // of the centre of the end effector's sphere [m]
-  Eigen::Quaterniond q_WE;
+  double time;                     // simulated [s]
+  Vector7d q = Vector7d::Zero();   // [rad]
+  Vector7d dq = Vector7d::Zero();  // [rad/s]
+  // applied in the last cycle, after saturation, without gravity [N m]
+  Vector7d tau = Vector7d::Zero();
+  // of the centre of the end effector's sphere [m]
+  Eigen::Vector3d p_WE = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WE = Eigen::Quaterniond::Identity();
   Mode mode;
   Errors errors;
   Cause cause;        // of the reflex: what was found first

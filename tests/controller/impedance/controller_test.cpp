@@ -509,7 +509,11 @@ TEST_CASE(
   // it coasts; the reference begins where the arm is, and stays there
   REQUIRE(loop.state.V_WE.head<3>().norm() > 0.1);
   int braking = 0;
-  while (loop.step(plan(k++)).p_WE_desired == Vector3d(loop.state.X_WE.translation())) {
+  const auto begins_at_the_arm = [&] {
+    const Vector3d p_WE = loop.state.X_WE.translation();  // that the step begins with
+    return loop.step(plan(k++)).p_WE_desired == p_WE;
+  };
+  while (begins_at_the_arm()) {
     ++braking;
     REQUIRE(braking < 1000);
   }
