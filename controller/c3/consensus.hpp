@@ -25,8 +25,8 @@ class Consensus {
   /// Takes the systems of a problem, which must outlive the calls of everything below. Returns W,
   /// valid until the next call. RT.
   virtual StageMatrices start(Horizon lcs) noexcept = 0;
-  /// Before the last QP, which goes towards δ (n_copy × N): W of it, of which `set_linear_term` then
-  /// knows; null where it is a QP as the others. RT.
+  /// Before the last QP, which goes towards δ (n_copy × N): W of it, of which `set_linear_term`
+  /// then knows; null where it is a QP as the others. RT.
   virtual StageMatrices finish(const Eigen::MatrixXd& delta) noexcept;
   /// g ← the linear term for δ and w (n_copy × N). RT.
   virtual void set_linear_term(const Eigen::MatrixXd& delta, const Eigen::MatrixXd& w,
