@@ -1,8 +1,8 @@
 // A motion generator of one's own in C++: it turns the last joint by 0.3 rad within 0.8 s, says how
 // far it came, and is still.
 //
+//   cpp_mover --clock lockstep &
 //   c3rt up circle_slow --without impedance --clock lockstep
-//   cpp_mover --clock lockstep
 #include "idl/client/mover.hpp"
 
 #include <algorithm>
