@@ -31,8 +31,6 @@ class ConsensusOfZ final : public Consensus {
 
 }  // namespace
 
-StageMatrices Consensus::finish(const MatrixXd&) noexcept { return {nullptr, 0}; }
-
 std::unique_ptr<Consensus> make_consensus(const Sizes& sizes) {
   return std::make_unique<ConsensusOfZ>(sizes);
 }

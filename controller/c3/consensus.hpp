@@ -27,7 +27,7 @@ class Consensus {
   virtual StageMatrices start(Horizon lcs) noexcept = 0;
   /// Before the last QP, which goes towards δ (n_copy × N): W of it, of which `set_linear_term`
   /// then knows; null where it is a QP as the others. RT.
-  virtual StageMatrices finish(const Eigen::MatrixXd& delta) noexcept;
+  virtual StageMatrices finish(const Eigen::MatrixXd& /*delta*/) noexcept { return {nullptr, 0}; }
   /// g ← the linear term for δ and w (n_copy × N). RT.
   virtual void set_linear_term(const Eigen::MatrixXd& delta, const Eigen::MatrixXd& w,
                                Eigen::MatrixXd& g) noexcept = 0;
