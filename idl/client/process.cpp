@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 
 #include <unistd.h>
@@ -56,16 +57,6 @@ wire::BusSettings bus_of(wire::Process process, const Place& place) {
 }
 
 /// What a person calls who plays the process.
-const char* role(wire::Process process) {
-  switch (process) {
-    case c3rt_v2_PROCESS_VISION:
-      return "estimator";
-    case c3rt_v2_PROCESS_IMPEDANCE:
-      return "motion generator";
-    default:
-      return "planner";
-  }
-}
 const char* a_role(wire::Process process) {
   switch (process) {
     case c3rt_v2_PROCESS_VISION:
@@ -76,6 +67,8 @@ const char* a_role(wire::Process process) {
       return "a planner";
   }
 }
+/// The same without its article.
+const char* role(wire::Process process) { return std::strchr(a_role(process), ' ') + 1; }
 
 }  // namespace
 
