@@ -1,6 +1,7 @@
-"""Systems that the tests have in common."""
+"""Systems, and a program, that the tests have in common."""
 
 import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -50,3 +51,12 @@ def parameters(projection, n_x=4, n_lambda=3, n_u=2):
 @pytest.fixture
 def blocks():
     return random_blocks(1)
+
+
+@pytest.fixture
+def program(request, tmp_path):
+    """A program in the place of c3rt: the text STAND_IN of the test's module."""
+    file = tmp_path / "c3rt"
+    file.write_text(request.module.STAND_IN.format(python=sys.executable))
+    file.chmod(0o700)
+    return file

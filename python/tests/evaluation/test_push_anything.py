@@ -1,7 +1,6 @@
 """The suite of objects, with a stand-in for the program c3rt: what its table says of reports that are known."""
 
 import json
-import sys
 
 import pytest
 
@@ -25,14 +24,6 @@ report = {{"result": "passed" if reached else "criteria not met", "criteria": []
 (pathlib.Path(options["out"]) / "report.json").write_text(json.dumps(report))
 sys.exit(0 if reached else 1)
 '''
-
-
-@pytest.fixture
-def program(tmp_path):
-    file = tmp_path / "c3rt"
-    file.write_text(STAND_IN.format(python=sys.executable))
-    file.chmod(0o700)
-    return file
 
 
 def test_each_case_has_its_share_of_seeds_that_reached_the_goal_and_what_was_left(program, capsys):

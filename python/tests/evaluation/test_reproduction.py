@@ -1,7 +1,6 @@
 """What every table and figure has, with a stand-in for the program c3rt."""
 
 import json
-import sys
 
 import pytest
 
@@ -34,14 +33,6 @@ if words[0] == "report":
     sys.exit(1)
 (out / "report.json").write_text(json.dumps({{"result": "passed", "log_hash": "1234", "words": words}}))
 '''
-
-
-@pytest.fixture
-def program(tmp_path):
-    file = tmp_path / "c3rt"
-    file.write_text(STAND_IN.format(python=sys.executable))
-    file.chmod(0o700)
-    return file
 
 
 def of(program, stop=lambda: False, **more):
