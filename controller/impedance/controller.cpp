@@ -258,7 +258,8 @@ void Controller::watch_loop(const Input& input) noexcept {
     age = std::clamp(std::max(answer, state) / parameters_.period, 0.0, 1.0 * kPatience);
   }
   loop_age_ += (age - loop_age_) / kLoopMemory;
-  const bool late = loop_age_ > (late_ ? kLoopIsWell : kLateLoop);
+  const bool swings = fastest_joint(input.dq, parameters_.limits.dq_max) > kSwinging;
+  const bool late = loop_age_ > (swings ? kLateSwinging : late_ ? kLoopIsWell : kLateLoop);
   if (late && !late_) ++counters_.late_loops;
   late_ = late;
 }

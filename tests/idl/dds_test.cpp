@@ -1,5 +1,6 @@
 #include "idl/dds.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -802,6 +803,53 @@ TEST_CASE("Writer: what is addressed to one process reaches it and who reads all
   CHECK(plant.problems().empty());
   CHECK(planner.problems().empty());
   CHECK(client.problems().empty());
+}
+
+TEST_CASE("Bus: of clients that have come and gone nothing is kept") {
+  constexpr int kClients = 20;
+  test::Child clients([] {
+    for (int i = 0; i < kClients; ++i) {
+      Bus client(test::settings());
+      Reader<RobotState> states(client);
+      if (!eventually([&] { return states.matched_writers() == 1; })) return 1;
+    }
+    return 0;
+  });
+  Bus bus(test::settings());
+  Writer<RobotState> states(bus);
+  // what Cyclone has of built-in topics in this process: living, or left by somebody who has gone
+  const auto children = [](dds_entity_t parent) {
+    std::vector<dds_entity_t> found(100);
+    found.resize(std::max(0, dds_get_children(parent, found.data(), found.size())));
+    return found;
+  };
+  const auto instances = [&](std::uint32_t which) {
+    std::vector<void*> samples(4096);  // as idl/peers.cpp: Cyclone fills as many as were ever lent
+    std::vector<dds_sample_info_t> info(samples.size());
+    int found = 0;
+    for (const dds_entity_t subscriber : children(bus.participant())) {
+      for (const dds_entity_t reader : children(subscriber)) {
+        char topic[64] = "";
+        if (dds_get_name(dds_get_topic(reader), topic, sizeof topic) < 0 ||
+            std::strncmp(topic, "DCPS", 4) != 0)
+          continue;
+        std::fill(samples.begin(), samples.end(), nullptr);
+        const dds_return_t read =
+            dds_read_mask(reader, samples.data(), info.data(), samples.size(), 4096,
+                          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | which);
+        if (read <= 0) continue;
+        found += read;
+        dds_return_loan(reader, samples.data(), read);
+      }
+    }
+    return found;
+  };
+  REQUIRE(clients.wait() == 0);
+  constexpr std::uint32_t kGone = DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
+  REQUIRE(eventually([&] { return instances(kGone) >= 2 * kClients; }));
+  CHECK(bus.problems().empty());
+  CHECK(instances(kGone) == 0);
+  CHECK(instances(DDS_ALIVE_INSTANCE_STATE) > 0);
 }
 
 TEST_CASE("Bus: every profile that is shipped opens a bus") {
