@@ -61,9 +61,9 @@ constexpr int kPatience = 20;
 /// How old, in cycles and on average over as many as kLoopMemory, the newest command may be that
 /// the robot has got: what it answers, and the state that tells of it. A loop with more delay than
 /// that feeds the arm's motion instead of damping it. One that is late brakes the arm, by a damping
-/// that bears such delays, until it is well again. 19 lost commands alone do not make it late. Of an
-/// arm with a joint faster than kSwinging of its limit, which no plan asks for, less is too late: it
-/// may swing, and a light wrist then goes from 0.1 of its limit to all of it in 90 ms.
+/// that bears such delays, until it is well again. 19 lost commands alone do not make it late. Of
+/// an arm with a joint faster than kSwinging of its limit, which no plan asks for, less is too
+/// late: it may swing, and a light wrist then goes from 0.1 of its limit to all of it in 90 ms.
 constexpr double kLateLoop = 3.5, kLoopIsWell = 2.5, kLoopMemory = 100.0;
 constexpr double kLateSwinging = 1.5, kSwinging = 0.35;
 

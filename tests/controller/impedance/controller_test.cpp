@@ -609,6 +609,34 @@ TEST_CASE("controller: nineteen commands that are lost now and then do not make 
   CHECK(output.counters.late_loops == 0);
 }
 
+TEST_CASE("controller: of an arm that swings, a delay that a calm arm bears is too late") {
+  const int age = GENERATE(1, 3);  // of the newest command that the robot has [cycles]
+  CAPTURE(age);
+  Controller controller = make(parameters());
+  std::int64_t now = 0;
+  Output output{};
+  const auto run = [&](int cycles, double wrist) {
+    for (int i = 0; i < cycles; ++i) {
+      now += kMs;
+      Input input = with_plan(now);
+      input.answered_ns = now - age * kMs;
+      input.dq[5] = wrist;
+      output = controller.step(input);
+    }
+    return output.counters.late_loops;
+  };
+  CHECK(run(500, 0.5) == 0);  // rad/s, of 2.61
+  CHECK(run(50, 1.0) == (age == 1 ? 0 : 1));
+  if (age == 1) return;
+  // braked, by damping alone
+  Input input = at(now);
+  input.dq[5] = 1.0;
+  model::Arm arm(test::panda_arm());
+  ArmState state;
+  arm.update(input.q, input.dq, state);
+  CHECK((output.tau + parameters().limits.stop_damping * (state.M * input.dq)).norm() < 1e-9);
+}
+
 TEST_CASE("controller: a robot of a new session is met from scratch") {
   Controller controller = make(parameters());
   Input input = with_plan(kMs);
