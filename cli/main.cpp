@@ -706,8 +706,8 @@ class CommandLine {
         ->expected(1)
         ->take_all();
     gap->add_option("--planner", gap_.planners,
-                    "Of a recording: a scenario whose planner answers, too; several by saying it "
-                    "again")
+                    "A scenario whose planner answers for the same states, too, of the example's "
+                    "kind or for the recording's ball; several by saying it again")
         ->expected(1)
         ->take_all();
     gap->add_option("--polish", gap_.polish,
@@ -723,6 +723,10 @@ class CommandLine {
                     "Between a plan and a proven bound that counts as the optimum")
         ->check(cli::number(1e-7, 1.0))
         ->capture_default_str();
+    gap->add_flag(
+        "--first-input", gap_.first_input,
+        "Also how far above the best is that a plan's first input leaves: one more search "
+        "of each plan");
     gap->add_option("--out", gap_.out, "Folder of results; default: out/gap-NAME");
   }
 

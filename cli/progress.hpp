@@ -38,4 +38,7 @@ class Progress {
 /// Seconds of a clock that only runs forwards.
 double seconds_now();
 
+/// Seconds that this thread has had of a core: what other programs take meanwhile does not count.
+double processor_seconds_now();
+
 }  // namespace c3rt::cli

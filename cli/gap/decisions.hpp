@@ -16,10 +16,16 @@ struct Decision {
   double t;                   // when it was made [s]
   std::vector<lcs::Lcs> lcs;  // one for all stages, or N
   Eigen::VectorXd x0;
-  Eigen::MatrixXd u;  // (n_u × N) the plan, within its bounds; no column where there is no plan
-  double solve_time_s;
+  Eigen::MatrixXd u;    // (n_u × N) the plan, within its bounds; no column where there is no plan
+  double solve_time_s;  // of a core
   Eigen::MatrixXd x_desired;  // (n_x × N+1)
   std::size_t costs = 0;      // which of them
+};
+
+/// What another planner decides in the same place.
+struct Answer {
+  Eigen::MatrixXd u;    // as of a Decision
+  double solve_time_s;  // of a core
 };
 
 /// What its decisions have in common.
@@ -45,5 +51,11 @@ Decisions of_problem(const config::ProblemFile& problem, const std::string& name
 /// @return fewer where the trial ends before, or a stop is wanted
 Decisions of_example(const ExampleScenario& scenario, std::uint64_t seed, int count,
                      const Stop& stop);
+
+/// What C3 with the settings of `planner` decides at these decisions' states, one after the other.
+/// @param scenario whose decisions they are
+/// @throws UsageError where its plans would have other sizes or another step
+std::vector<Answer> answers(const Decisions& decisions, const ExampleScenario& scenario,
+                            const ExampleScenario& planner);
 
 }  // namespace c3rt::cli::gap

@@ -13,13 +13,15 @@ struct Settings {
   // a problem file, a numerical example's name or file, or a recording
   std::string what;
   std::vector<std::string> overrides;  // of the example or the recording's scenario: "c3.rho=0.5"
-  std::vector<std::string> planners;   // of a recording: scenarios whose planners answer, too
-  std::optional<int> polish;           // c3.polish in place of what scenario or problem say
-  std::uint64_t seed = 1;              // of the example
-  int states = 40;                     // control steps of it, or plans of the recording
-  double limit_s = 60.0;               // for each exact search
-  double relative_gap = 1e-3;          // that counts as the optimum
-  std::string out;                     // folder; empty: out/gap-NAME
+  // of an example or a recording: scenarios whose planners answer for the same states, too
+  std::vector<std::string> planners;
+  std::optional<int> polish;   // c3.polish in place of what scenario or problem say
+  std::uint64_t seed = 1;      // of the example
+  int states = 40;             // control steps of it, or plans of the recording
+  double limit_s = 60.0;       // for each exact search
+  double relative_gap = 1e-3;  // that counts as the optimum
+  bool first_input = false;    // also where a plan's first input is kept and no more
+  std::string out;             // folder; empty: out/gap-NAME
 };
 
 /// Prints a table and writes gap.json and gap.png.

@@ -81,10 +81,10 @@ class Planner {
   Answer answer(const Question& question) {
     for (int k = 0; k <= parameters_.N; ++k)
       c3_.want(k, question.desired[static_cast<std::size_t>(k)], question.scene);
-    const double began = seconds_now();
+    const double began = processor_seconds_now();
     const planner::StepStatus status =
         c3_.step(question.scene, question.rolling ? roll_ : back_, 1.0 / parameters_.rate, {});
-    Answer answer{{}, seconds_now() - began};
+    Answer answer{{}, processor_seconds_now() - began};
     if (status == planner::StepStatus::kFailed) return answer;
     // after the inputs C3+ has its η
     answer.u = c3_.result().input_scale *

@@ -31,10 +31,6 @@ std::vector<Question> questions(const std::filesystem::path& recording,
 Decisions of_questions(const std::vector<Question>& questions, const config::Scenario& scenario);
 
 /// What another planner answers.
-struct Answer {
-  Eigen::MatrixXd u;  // (n_u × N); no column where there is none
-  double solve_time_s;
-};
 std::vector<Answer> answers(const std::vector<Question>& questions,
                             const config::Scenario& scenario);
 

@@ -99,6 +99,53 @@ TEST_CASE(
     CHECK(states(other)[1].at(figure) == all[1].at(figure));
 }
 
+TEST_CASE(
+    "what follows a plan's first input is no better than the optimum and no worse than the plan") {
+  const Folder folder;
+  const fs::path file = folder.path() / "wall.json";
+  std::ofstream(file) << wall(1.0, -1.0).dump();
+  REQUIRE(gap(folder, "'" + file.string() + "' --first-input").status == 0);
+  // the first input is all that there is
+  const json one = states(folder).at(0);
+  CHECK(one.at("first_input_above").get<double>() ==
+        Approx(one.at("above").get<double>()).margin(1e-5));
+
+  const Outcome outcome = gap(folder, "cart_pole --states 2 --first-input");
+  INFO(outcome.output);
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.output, Contains("first input"));
+  for (const json& state : states(folder)) {
+    const double first = state.at("first_input_above");
+    CHECK(first >= -1e-6);
+    if (state.at("meets_constraints") == true) CHECK(first <= state.at("above").get<double>());
+  }
+}
+
+TEST_CASE("another planner of an example answers for the same states") {
+  const Folder folder;
+  const fs::path file = folder.path() / "polished.yaml";
+  std::ofstream(file)
+      << "name: polished\ndescription: polished\nextends: cart_pole\nc3: {polish: 40}\n";
+  const Outcome outcome =
+      gap(folder, "cart_pole --states 4 --planner cart_pole --planner '" + file.string() + "'");
+  INFO(outcome.output);
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.output, Contains("by cart_pole") && Contains("by polished"));
+  for (const json& state : states(folder)) {
+    const json &same = state.at("planners").at("cart_pole"),
+               &polished = state.at("planners").at(file.string());
+    CHECK(same.at("cost") == state.at("cost"));
+    CHECK(polished.at("cost").get<double>() <= state.at("cost").get<double>() * (1.0 + 1e-9));
+    CHECK(polished.at("cost").get<double>() >= state.at("lower_bound").get<double>());
+  }
+
+  std::ofstream(file)
+      << "name: longer\ndescription: longer\nextends: cart_pole\ncontrol: {horizon: 11}\n";
+  const Outcome refused = gap(folder, "cart_pole --states 1 --planner '" + file.string() + "'");
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.output, Contains("a horizon of 10 and") && Contains("got 4 states, 1 inputs"));
+}
+
 TEST_CASE("a search that its limit ends is said, with exit status 4") {
   const Folder folder;
   const Outcome outcome =
@@ -114,7 +161,9 @@ TEST_CASE("what is no problem and no example is refused") {
                                    {"no_such", "cart_pole"},
                                    {"no.json", "expected a file that can be read"},
                                    {"cart_pole --states 0", "--states"},
-                                   {"cart_pole --set c3.no=1", "c3.no"}}) {
+                                   {"cart_pole --set c3.no=1", "c3.no"},
+                                   {"cart_pole --planner circle_slow", "a numerical example"},
+                                   {"cart_pole --planner pivoting", "expected 4 states"}}) {
     const Outcome outcome = gap(folder, what);
     CAPTURE(what, outcome.output);
     CHECK(outcome.status == 2);
