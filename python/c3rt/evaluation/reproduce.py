@@ -11,14 +11,15 @@ from .status import CRITERION_FAILED, DONE, UsageError, say
 from .targets.circles import fig11, fig14, fig17
 from .targets.comparison import comparison
 from .targets.examples import fig3, fig5, fig7, fig8
+from .targets.gap import gap
 from .targets.horizon_tables import table1, table2
 from .targets.push_anything import push_anything
 from .targets.table3 import table3
 from .targets.timed_paths import fig16, fig18
 
 TARGETS: Dict[str, Callable[[Reproduction], None]] = {
-    target.__name__: target for target in (comparison, fig11, fig14, fig16, fig17, fig18, fig3, fig5, fig7, fig8, push_anything,
-                                           table1, table2, table3)}
+    target.__name__: target for target in (comparison, fig11, fig14, fig16, fig17, fig18, fig3, fig5, fig7, fig8, gap,
+                                           push_anything, table1, table2, table3)}
 
 
 def run(settings: Settings, stop: Stop) -> int:

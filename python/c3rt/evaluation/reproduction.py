@@ -67,19 +67,22 @@ class Reproduction:
                  for group in groups]
         return make_groups(named, settings, self._out / "runs", what, self._stop)
 
+    def folder(self, name: str) -> pathlib.Path:
+        """Of what is made by this name."""
+        return make_folder(self._out / "runs" / f"{self.settings.what}-{name}")
+
     def call(self, name: str, words: Sequence[str], inputs: Any, answer: str) -> pathlib.Path:
         """The folder of what `c3rt WORDS` answers; kept from an earlier call with the same words, inputs and programs.
 
         inputs: what else the answer depends on. answer: a file of it. The words have {folder} where the folder stands.
         Interrupted, RuntimeError with the end of the log where there is no answer.
         """
-        folder = self._out / "runs" / f"{self.settings.what}-{name}"
+        folder = self.folder(name)
         key = {"words": list(words), "inputs": inputs, "programs": hash_of_programs(self.settings.program)}
         note = folder / "call.json"
         if not self.settings.fresh and (folder / answer).is_file() and read_json(note).get("key") == key:
             say(f"{name}: kept from an earlier run ({folder})")
             return folder
-        make_folder(folder)
         for file in (note, folder / answer):
             file.unlink(missing_ok=True)
         if self._stop():

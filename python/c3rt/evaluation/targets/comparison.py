@@ -6,13 +6,11 @@ No table of the paper, but what its section VII-A says of (15).
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import pathlib
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Sequence, Tuple
 
-from ..files import write_text
 from ..groups import Group
 from ..reproduction import Reproduction, tell_table
 from ..runs import RunResult
@@ -21,6 +19,7 @@ from ..statistics import quantile
 from ..summary import summarise, to_json
 from ..tables import figure, mean_loop_time, number, numbers
 from ..text_table import shown
+from .gap import Planner, ask
 
 
 @dataclass(frozen=True)
@@ -100,26 +99,22 @@ def _open_loop(reproduction: Reproduction, results: Dict[str, Any]) -> List[List
     program = reproduction.settings.program
     rate = float(read_scenario(program, first.scenario, first.overrides).values["planner"]["rate_hz"])
     period_s = 1.0 / rate  # what a planner has for one answer
-    files, texts = [], []
-    for variant in VARIANTS[1:]:
+    planners = []
+    for variant in VARIANTS:
         group = _group(reproduction, scenario, variant)
-        texts.append(read_scenario(program, group.scenario, group.overrides).text)
-        files.append(recorded.folder / f"{variant.name}.yaml")
-        write_text(files[-1], texts[-1])
+        planners.append(Planner(variant.name, variant.label, scenario=group.scenario, overrides=group.overrides))
     assert recorded.report is not None
-    folder = reproduction.call(
-        "gap", ["gap", str(recorded.folder / "run.mcap"), f"--states={QUESTIONS}", f"--limit={limit:g}", "--relative-gap=1e-4",
-                *(f"--planner={file}" for file in files), "--out={folder}"],
-        {"log_hash": recorded.report["log_hash"], "planners": texts}, "gap.json")
-    told = json.loads((folder / "gap.json").read_text(encoding="utf-8"))
+    found = ask(reproduction, "gap", str(recorded.folder / "run.mcap"),
+                [f"--states={QUESTIONS}", f"--limit={limit:g}", "--relative-gap=1e-4"], recorded.report["log_hash"], scenario,
+                planners)
+    told = found.told
     states = told["states"]
-    answers: Answers = [(VARIANTS[0].label, *_columns(states, "cost"))]
-    for variant, file in zip(VARIANTS[1:], files):
-        answers.append((variant.label, *_columns([state["planners"][str(file)] for state in states], "cost")))
-    # the time of C3's answer, from which the search starts, is its own, too
-    costs, searched = _columns(states, "optimum_simulated", "search_time_s")
+    answers: Answers = [(planner.name, found.planners[planner.key].cost, found.planners[planner.key].solve_time_s)
+                        for planner in planners]
+    # the time of C3's answer, one of those from which the search starts, is its own, too
+    costs = [math.nan if state["optimum_simulated"] is None else state["optimum_simulated"] for state in states]
     answers.append((f"(15), exact search, {limit:g} s", costs,
-                    [state["solve_time_s"] + time for state, time in zip(states, searched)]))
+                    [state["solve_time_s"] + state["search_time_s"] for state in states]))
 
     best = [min((cost for cost in of_state if math.isfinite(cost)), default=math.inf)
             for of_state in zip(*(costs for _, costs, _ in answers))]
@@ -139,6 +134,3 @@ def _open_loop(reproduction: Reproduction, results: Dict[str, Any]) -> List[List
     rows.append([f"(15) proven to 1e-4: {told['proven']} of {len(states)}"])
     return rows
 
-
-def _columns(rows: Sequence[Any], cost: str, time: str = "solve_time_s") -> Tuple[List[float], List[float]]:
-    return [math.nan if row[cost] is None else row[cost] for row in rows], [row[time] for row in rows]
