@@ -97,6 +97,8 @@ void tune(const TuneSettings& settings) {
                 {"minimise", settings.minimise},
                 {"maximise", settings.maximise},
                 {"seeds", settings.seeds},
+                {"finalists", settings.finalists},
+                {"final_seeds", settings.final_seeds},
                 {"test_seeds", settings.test_seeds},
                 {"generations", settings.generations},
                 {"population", settings.population},

@@ -33,7 +33,8 @@ struct TuneSettings : EngineSettings {
   std::vector<std::string> overrides;           // where it begins: "planner.rate_hz=75"
   std::vector<std::string> linear, log, whole;  // "planner.admm.rho=0.1..10"
   std::string minimise, maximise;               // one of them: a figure of report.json
-  std::string seeds = "101..104", test_seeds = "1..10";
+  std::string seeds = "101..104", final_seeds = "201..210", test_seeds = "1..10";
+  int finalists = 4;  // the best candidates, judged once more on the final seeds; 1: no final
   int generations = 20;
   int population = 0;  // 0: 4 + 3 ln(numbers)
   double sigma = 0.2;  // of each range

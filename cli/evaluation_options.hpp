@@ -68,8 +68,16 @@ inline void add_options(CLI::App& command, TuneSettings& settings) {
   command.add_option("--seeds", settings.seeds, "On which candidates are judged: 101..104, or 7,9")
       ->capture_default_str();
   command
+      .add_option("--finalists", settings.finalists,
+                  "The best candidates of all generations, judged once more on --final-seeds; the "
+                  "best of them is what is found. 1: the best on --seeds is")
+      ->check(whole(1, 1000))
+      ->capture_default_str();
+  command.add_option("--final-seeds", settings.final_seeds, "None of --seeds")
+      ->capture_default_str();
+  command
       .add_option("--test-seeds", settings.test_seeds,
-                  "On which start and result are compared in the end; none of --seeds")
+                  "On which start and result are compared in the end; none that was used before")
       ->capture_default_str();
   command.add_option("--generations", settings.generations, "How many")
       ->check(whole(1, 10000))

@@ -14,6 +14,7 @@ pytest.importorskip("cmaes", reason="the package cmaes could not be had")
 PROGRAM = os.environ["C3RT_PROGRAM"]
 NUMBERS = ["--log", "c3.rho=0.01..10", "--linear", "c3.rho_scale=1.2..4", "--minimise", "accumulated_cost"]
 SHORT = ["--duration", "1", "--population", "4", "--generations", "2", "--seeds", "101", "--test-seeds", "1"]
+NO_FINAL = ["--finalists", "1"]
 
 
 @pytest.fixture(autouse=True)
@@ -28,7 +29,7 @@ def c3rt(*words, status=0):
 
 
 def tune(out, *words, status=0):
-    return c3rt("tune", "cart_pole", *NUMBERS, *SHORT, "--out", out, *words, status=status)
+    return c3rt("tune", "cart_pole", *NUMBERS, *SHORT, "--out", out, *(words or NO_FINAL), status=status)
 
 
 def test_what_is_found_is_no_worse_and_is_a_scenario_that_gives_what_was_said(tmp_path):
@@ -51,9 +52,26 @@ def test_what_is_found_is_no_worse_and_is_a_scenario_that_gives_what_was_said(tm
     assert marks == {file: file.stat().st_mtime_ns for file in (tmp_path / "tune").glob("*/report.json")}
 
 
+def test_of_the_best_candidates_the_one_is_found_that_is_best_on_seeds_that_the_search_did_not_use(tmp_path):
+    said = tune(tmp_path / "tune", "--finalists", "3", "--final-seeds", "201..203")
+    told = json.loads((tmp_path / "tune" / "tune.json").read_text())
+    all_candidates = [told["start"], *(candidate for generation in told["generations"] for candidate in generation)]
+    best = sorted(all_candidates, key=lambda one: (one["failed"], one["shortfall"], one["accumulated_cost"]))[:3]
+    finals = told["finals"]
+    assert [final["values"] for final in finals] == [one.get("values", final["values"]) for one, final in zip(best, finals)]
+    found = min(finals, key=lambda one: (one["failed"], one["shortfall"], one["accumulated_cost"]))
+    assert told["best_values"] == found["values"]
+    # a finalist's cost is that of its runs
+    place = finals.index(found) + 1
+    costs = [json.loads((tmp_path / "tune" / f"final-{place:02}-seed-{seed:04}" / "report.json").read_text())["accumulated_cost"]
+             for seed in (201, 202, 203)]
+    assert found["accumulated_cost"] == pytest.approx(sum(costs) / 3)
+    assert "finalists, on seeds 101 and on final seeds 201..203" in said
+
+
 def test_what_was_interrupted_goes_on_to_the_same_end(tmp_path):
     tune(tmp_path / "whole")
-    process = subprocess.Popen([PROGRAM, "tune", "cart_pole", *NUMBERS, *SHORT, "--out", str(tmp_path / "cut")],
+    process = subprocess.Popen([PROGRAM, "tune", "cart_pole", *NUMBERS, *SHORT, *NO_FINAL, "--out", str(tmp_path / "cut")],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     for _ in range(1000):
         if list((tmp_path / "cut").glob("g001-*/report.json")):
@@ -70,6 +88,8 @@ def test_what_was_interrupted_goes_on_to_the_same_end(tmp_path):
     (["tune", "cart_pole", "--log", "c3.rho=0.01..10", "--minimise", "x"], "two numbers"),
     (["tune", "cart_pole", *NUMBERS[:4]], "--minimise FIGURE or --maximise FIGURE"),
     (["tune", "cart_pole", *NUMBERS, "--seeds", "1..3", "--test-seeds", "3"], "got 3 in both"),
+    (["tune", "cart_pole", *NUMBERS, "--seeds", "1..3", "--final-seeds", "3,4", "--test-seeds", "5"], "got 3 in both"),
+    (["tune", "cart_pole", *NUMBERS, "--final-seeds", "7..9"], "--test-seeds: expected seeds that are not among --final-seeds"),
     (["tune", "cart_pole", *NUMBERS[:4], "--minimise", "costs", *SHORT], "expected a figure of report.json, got costs"),
     (["tune", "cart_pole", *NUMBERS, "--log", "c3.rho=0.01..10"], "named twice"),
 ])

@@ -32,6 +32,8 @@ class Settings(EngineSettings):
     minimise: str = ""  # one of them: a figure of report.json
     maximise: str = ""
     seeds: str = "101..104"
+    finalists: int = 4  # the best candidates, judged once more on other seeds; 1: the best on the seeds is what is found
+    final_seeds: str = "201..210"
     test_seeds: str = "1..10"
     generations: int = 20
     population: int = 0  # 0: usual_population()
@@ -78,7 +80,10 @@ class Tuner:
         self._parameters = _parameters_of(settings)
         if bool(settings.minimise) == bool(settings.maximise):
             raise UsageError("expected --minimise FIGURE or --maximise FIGURE, got both or none")
-        _require_other_seeds(settings)
+        if settings.finalists > 1:
+            _require_other_seeds("--final-seeds", settings.final_seeds, settings.seeds, "--seeds")
+            _require_other_seeds("--test-seeds", settings.test_seeds, settings.final_seeds, "--final-seeds")
+        _require_other_seeds("--test-seeds", settings.test_seeds, settings.seeds, "--seeds")
         self._scenario = read_scenario(settings.program, settings.scenario, settings.overrides)
         self._name = self._scenario.name
         mean = start(self._parameters, self._scenario.values, self._scenario.file)
@@ -86,6 +91,7 @@ class Tuner:
         self._optimiser = Optimiser(mean, settings.sigma, settings.seed, population)
         self._start = self._best = Candidate(mean, Score())
         self._generations: List[List[Candidate]] = []
+        self._finals: List[Tuple[Candidate, Candidate]] = []  # on the seeds, on the final seeds
         self._folder = make_folder(pathlib.Path(settings.out or f"out/tune-{self._name}"))
 
     def run(self) -> int:
@@ -102,8 +108,23 @@ class Tuner:
             self._take(candidates)
             self._tell(f"generation {number}", self._best.score)
             self._write(None)
+        if settings.finalists > 1:
+            self._hold_final()
         tested = self._judge("test", "on the test seeds", "test-", [self._start.unit, self._best.unit], settings.test_seeds)
         return self._end(tested[0].score, tested[1].score)
+
+    def _hold_final(self) -> None:
+        """Of many that were lucky on a few seeds, the one that is best on others is what is found."""
+        every: Dict[Tuple[float, ...], Candidate] = {}
+        for candidate in [self._start, *(one for generation in self._generations for one in generation)]:
+            every.setdefault(tuple(candidate.unit), candidate)
+        finalists = sorted(every.values(), key=lambda candidate: candidate.score)[:self._settings.finalists]
+        judged = self._judge("final", "in the final", "final-", [one.unit for one in finalists], self._settings.final_seeds)
+        self._finals = list(zip(finalists, judged))
+        self._best = min(self._finals, key=lambda both: both[1].score)[0]
+        for number, (_, on_final_seeds) in enumerate(self._finals, 1):
+            self._tell(f"finalist {number}", on_final_seeds.score)
+        self._write(None)
 
     def _judge(self, title: str, place: str, prefix: str, units: Sequence[List[float]], seeds: str) -> List[Candidate]:
         """Every seed of every candidate, as one set of runs.
@@ -157,8 +178,11 @@ class Tuner:
         settings = self._settings
         told = {
             "scenario": self._name, "overrides": settings.overrides, "seeds": settings.seeds,
-            "test_seeds": settings.test_seeds, "figure": settings.figure, "start": self._json(self._start.score),
+            "final_seeds": settings.final_seeds if settings.finalists > 1 else None, "test_seeds": settings.test_seeds,
+            "figure": settings.figure, "start": self._json(self._start.score),
             "best": self._json(self._best.score), "best_values": assignments(self._parameters, self._best.unit), "test": test,
+            "finals": [{**self._json(on_final_seeds.score), "values": assignments(self._parameters, on_final_seeds.unit)}
+                       for _, on_final_seeds in self._finals],
             "generations": [[{**self._json(one.score), "values": assignments(self._parameters, one.unit)} for one in generation]
                             for generation in self._generations],
         }
@@ -176,10 +200,14 @@ class Tuner:
         file = self._write_scenario()
         is_better = not start_score < found
         self._write({"start": self._json(start_score), "found": self._json(found), "at_least_as_good": is_better})
-        rows: Tuple[Sequence[str], ...] = (
+        rows: List[Sequence[str]] = [
             ("", f"seeds {settings.seeds}", f"test seeds {settings.test_seeds}"),
             ("start", self._text(self._start.score), self._text(start_score)),
-            ("found", self._text(self._best.score), self._text(found)))
+            ("found", self._text(self._best.score), self._text(found))]
+        if self._finals:
+            rows.append((f"finalists, on seeds {settings.seeds} and on final seeds {settings.final_seeds}",))
+            rows += [(f"{number}{', found' if one is self._best else ''}", self._text(one.score), self._text(final.score))
+                     for number, (one, final) in enumerate(self._finals, 1)]
         values = assignments(self._parameters, self._best.unit)
         listed = "".join(f"- `{value}`\n" for value in values)
         write_text(self._folder / "tune.md", f"# c3rt tune {self._name}\n\n{markdown_table(rows)}\n{listed}")
@@ -200,9 +228,9 @@ def _parameters_of(settings: Settings) -> List[Parameter]:
     return parameters
 
 
-def _require_other_seeds(settings: Settings) -> None:
-    tuning = set(parse_seeds(settings.seeds))
-    for seed in parse_seeds(settings.test_seeds):
-        if seed in tuning:
-            raise UsageError(f"--test-seeds: expected seeds that are not among --seeds, got {seed} in both: what was chosen on a "
+def _require_other_seeds(option: str, seeds: str, used: str, used_by: str) -> None:
+    known = set(parse_seeds(used))
+    for seed in parse_seeds(seeds):
+        if seed in known:
+            raise UsageError(f"{option}: expected seeds that are not among {used_by}, got {seed} in both: what was chosen on a "
                              "seed proves nothing there")
