@@ -112,14 +112,14 @@ void Samples::check_torque(const Vector7d& tau, const char* subject, std::int64_
     violated("torque", subject, time_ns, std::abs(tau[worst]), limits_.tau_max[worst], "N m");
 }
 
-void Samples::check_rate(const Torque& before, const Torque& now, double spare_cycles,
-                         const char* subject) {
+void Samples::check_rate(const Torque& before, const Torque& now, const char* subject) {
   if (before.seq == 0 || now.seq <= before.seq || !before.tau.allFinite() || !now.tau.allFinite())
     return;
   const double passed = std::round(seconds(now.time_ns - before.time_ns) / limits_.cycle);
   const double cycles = std::max(static_cast<double>(now.seq - before.seq), passed);
   if (cycles > kFewCycles) return;
-  const double limit = limits_.tau_rate_max * limits_.cycle * (cycles + spare_cycles);
+  const double replaced = limits_.realtime ? 1.0 : 0.0;
+  const double limit = limits_.tau_rate_max * limits_.cycle * (cycles + replaced);
   const double change = (now.tau - before.tau).cwiseAbs().maxCoeff();
   if (change > limit + kRounding)
     violated("torque_rate", subject, now.time_ns, change / (cycles * limits_.cycle),
@@ -135,7 +135,7 @@ void Samples::hear(const wire::RobotState& sample) {
   if (now.moves) {
     check_torque(now.tau, "robot/state", now_ns);
     const bool next = now.seq == applied_.seq + 1;
-    if (applied_.moves || next) check_rate(applied_, now, 0.0, "robot/state");
+    if (applied_.moves || next) check_rate(applied_, now, "robot/state");
     const Eigen::Vector3d p_WE = vector_of(sample.p_WE_m);
     const Eigen::Vector3d out =
         (limits_.workspace_min - p_WE).cwiseMax(p_WE - limits_.workspace_max);
@@ -181,7 +181,7 @@ void Samples::hear(const wire::RobotCommand& sample) {
   step(command_, sample.header, "robot/command");
   const Torque now{vector_of(sample.tau_nm), sample.header.seq, now_ns, true};
   check_torque(now.tau, "robot/command", now_ns);
-  check_rate(asked_, now, limits_.realtime ? 1.0 : 0.0, "robot/command");
+  check_rate(asked_, now, "robot/command");
   asked_ = now;
 
   if (sample.mode != c3rt_v2_IMPEDANCE_TRACK || first) return;

@@ -31,7 +31,8 @@ struct Limits {
   // of an object: from when the task judges it, as far as a criterion says so of every instant
   double object_error = std::numeric_limits<double>::infinity();  // [m]
   double object_reach = 0.5;  // from the task's middle: farther away it is lost [m]
-  /// In realtime a command may be replaced by the next one before it is sent: two changes in one.
+  /// In realtime a state or command may be replaced by the next one before it is sent, and stamps
+  /// that are late by part of a cycle hide it: two changes in one.
   bool realtime = false;
 };
 
@@ -100,8 +101,7 @@ class Samples {
   };
   void step(Stream& stream, const wire::Header& header, const char* subject);
   void check_torque(const Vector7d& tau, const char* subject, std::int64_t time_ns);
-  void check_rate(const Torque& before, const Torque& now, double spare_cycles,
-                  const char* subject);
+  void check_rate(const Torque& before, const Torque& now, const char* subject);
   void check_object(const wire::Scene& sample);
   void violated(const char* name, const std::string& subject, std::int64_t time_ns, double value,
                 double limit, const char* unit);

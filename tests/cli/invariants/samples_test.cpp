@@ -168,6 +168,20 @@ TEST_CASE("samples: a torque that changes by more than a cycle's share is seen")
   }
 }
 
+TEST_CASE(
+    "samples: in realtime a sample may have been replaced by the next one, so twice as much") {
+  Limits realtime = limits();
+  realtime.realtime = true;
+  Run run(realtime);
+  run.cycles(10);
+  run.torque = run.asked = 2.0;
+  run.cycle();
+  CHECK(run.violations.count() == 0);
+  run.torque = run.asked = 4.1;
+  run.cycle();
+  CHECK(run.of("torque_rate") == 2);
+}
+
 TEST_CASE("samples: numbers that are not finite are seen") {
   Run run;
   run.cycles(10);
