@@ -270,7 +270,8 @@ Work of_recording(const Settings& settings) {
     planners.push_back(config::load_scenario(scenario_path(name).string(), {}));
   const std::vector<Question> asked = questions(file, scenario, settings.states);
   Work work{of_questions(asked, scenario), {}};
-  for (const config::Scenario& planner : planners) work.others.push_back(answers(asked, planner));
+  for (const config::Scenario& planner : planners)
+    work.others.push_back(answers(asked, scenario, planner));
   return work;
 }
 

@@ -65,7 +65,8 @@ void require_heuristic(const config::Scenario& scenario) {
   const planner::Parameters& planner = scenario.planner;
   if (planner.strategy == "time_heuristic" && planner.model.bodies == 1) return;
   throw UsageError(
-      fmt::format("{}: expected one body and the strategy time_heuristic, got {} and {}",
+      fmt::format("{}: c3rt gap asks planners of one body and the strategy time_heuristic, got {} "
+                  "and {}",
                   scenario.name, planner.model.bodies, planner.strategy));
 }
 
@@ -189,11 +190,17 @@ Decisions of_questions(const std::vector<Question>& questions, const config::Sce
 }
 
 std::vector<Answer> answers(const std::vector<Question>& questions,
-                            const config::Scenario& scenario) {
-  require_heuristic(scenario);
-  Planner planner(scenario);
+                            const config::Scenario& scenario, const config::Scenario& planner) {
+  require_heuristic(planner);
+  const auto told = [](const planner::Parameters& of) {
+    return fmt::format("a horizon of {} and a step of {:g} s", of.N, of.dt);
+  };
+  const std::string expected = told(scenario.planner), got = told(planner.planner);
+  if (got != expected)
+    throw UsageError(fmt::format("{}: expected {}, got {}", planner.name, expected, got));
+  Planner asked(planner);
   std::vector<Answer> all;
-  for (const Question& question : questions) all.push_back(planner.answer(question));
+  for (const Question& question : questions) all.push_back(asked.answer(question));
   return all;
 }
 

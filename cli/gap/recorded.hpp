@@ -31,7 +31,9 @@ std::vector<Question> questions(const std::filesystem::path& recording,
 Decisions of_questions(const std::vector<Question>& questions, const config::Scenario& scenario);
 
 /// What another planner answers.
+/// @param scenario of the recording that the questions are of
+/// @throws UsageError for another strategy or several bodies, another horizon or another step
 std::vector<Answer> answers(const std::vector<Question>& questions,
-                            const config::Scenario& scenario);
+                            const config::Scenario& scenario, const config::Scenario& planner);
 
 }  // namespace c3rt::cli::gap

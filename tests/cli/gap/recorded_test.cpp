@@ -63,7 +63,7 @@ TEST_CASE("no planner's inputs are better than the optimum, nor far worse") {
   // C3+ copies the gaps, too, which are no inputs
   for (const char* name : {"circle_slow", "circle_slow_convex", "circle_slow_plus"}) {
     CAPTURE(name);
-    const std::vector<Answer> answered = answers(asked, scenario(name));
+    const std::vector<Answer> answered = answers(asked, slow, scenario(name));
     REQUIRE(answered.size() == 1);
     const double cost = cost_of(decisions, answered[0].u);
     CHECK(cost >= optimum * (1.0 - 2e-4));  // the gap that it is proven to
@@ -74,7 +74,7 @@ TEST_CASE("no planner's inputs are better than the optimum, nor far worse") {
 TEST_CASE("an answer is judged by what the system does, whatever the planner that made it") {
   config::Scenario slow = scenario("circle_slow");
   const std::vector<Question> asked(3, resting(slow));
-  const std::vector<Answer> answered = answers(asked, slow);
+  const std::vector<Answer> answered = answers(asked, slow, slow);
   REQUIRE(answered.size() == 3);
   CHECK(answered[0].u == answered[1].u);
   CHECK(answered[1].u == answered[2].u);
@@ -91,6 +91,15 @@ TEST_CASE("an answer is judged by what the system does, whatever the planner tha
 TEST_CASE("questions are of one ball and the time-based heuristic alone") {
   for (const char* name : {"two_balls", "push_t"}) {
     CAPTURE(name);
-    CHECK_THROWS_AS(answers({}, scenario(name)), cli::UsageError);
+    CHECK_THROWS_AS(answers({}, scenario(name), scenario(name)), cli::UsageError);
   }
+}
+
+TEST_CASE("a planner that looks ahead farther than the recording's is refused") {
+  const config::Scenario slow = scenario("circle_slow");
+  config::Scenario longer = slow;
+  longer.planner.N = slow.planner.N + 1;
+  CHECK_THROWS_WITH(
+      answers({resting(slow)}, slow, longer),
+      Catch::Contains("expected a horizon of 5") && Catch::Contains("got a horizon of 6"));
 }
