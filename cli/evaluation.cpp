@@ -91,6 +91,7 @@ void tune(const TuneSettings& settings) {
   ordered_json order = order_of(settings);
   order.update({{"scenario", settings.scenario},
                 {"overrides", settings.overrides},
+                {"search_overrides", settings.search_overrides},
                 {"linear", settings.linear},
                 {"log", settings.log},
                 {"whole", settings.whole},

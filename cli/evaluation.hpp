@@ -31,6 +31,7 @@ struct CampaignSettings : EngineSettings {
 struct TuneSettings : EngineSettings {
   std::string scenario;                         // name or path
   std::vector<std::string> overrides;           // where it begins: "planner.rate_hz=75"
+  std::vector<std::string> search_overrides;    // beside these, in the generations alone
   std::vector<std::string> linear, log, whole;  // "planner.admm.rho=0.1..10"
   std::string minimise, maximise;               // one of them: a figure of report.json
   std::string seeds = "101..104", final_seeds = "201..210", test_seeds = "1..10";

@@ -65,6 +65,9 @@ inline void add_options(CLI::App& command, TuneSettings& settings) {
   command.add_option("--maximise", settings.maximise, "The same, to be large");
   list("--set", settings.overrides,
        "Overrides one key of the scenario, where the search begins: section.key=value");
+  list("--search-set", settings.search_overrides,
+       "The same for the generations alone, so that a run takes less: final and test have the "
+       "scenario whole");
   command.add_option("--seeds", settings.seeds, "On which candidates are judged: 101..104, or 7,9")
       ->capture_default_str();
   command

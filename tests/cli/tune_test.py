@@ -69,6 +69,16 @@ def test_of_the_best_candidates_the_one_is_found_that_is_best_on_seeds_that_the_
     assert "finalists, on seeds 101 and on final seeds 201..203" in said
 
 
+def test_a_search_may_be_shorter_than_what_it_is_for(tmp_path):
+    c3rt("tune", "cart_pole", *NUMBERS, *SHORT[2:], *NO_FINAL, "--set", "control.duration_s=1", "--search-set", "control.duration_s=0.2",
+         "--out", tmp_path / "tune")
+    told = json.loads((tmp_path / "tune" / "tune.json").read_text())
+    assert told["start"]["accumulated_cost"] < told["test"]["start"]["accumulated_cost"]
+    solves = {name: json.loads((tmp_path / "tune" / name / "report.json").read_text())["solves"]
+              for name in ("start-01-seed-0101", "g001-c01-seed-0101", "test-01-seed-0001")}
+    assert list(solves.values()) == [20, 20, 100]
+
+
 def test_what_was_interrupted_goes_on_to_the_same_end(tmp_path):
     tune(tmp_path / "whole")
     process = subprocess.Popen([PROGRAM, "tune", "cart_pole", *NUMBERS, *SHORT, *NO_FINAL, "--out", str(tmp_path / "cut")],

@@ -26,6 +26,7 @@ from .text_table import markdown_table, text_table
 class Settings(EngineSettings):
     scenario: str = ""  # name or path
     overrides: List[str] = field(default_factory=list)  # where it begins: "planner.rate_hz=75"
+    search_overrides: List[str] = field(default_factory=list)  # beside these, in the generations alone
     linear: List[str] = field(default_factory=list)  # "planner.admm.rho=0.1..10"
     log: List[str] = field(default_factory=list)
     whole: List[str] = field(default_factory=list)
@@ -98,13 +99,13 @@ class Tuner:
         settings = self._settings
         tell(f"c3rt tune {self._name}: {len(self._parameters)} numbers, {settings.generations} generations of "
              f"{self._optimiser.population}, seeds {settings.seeds}, in {self._folder}")
-        self._start = self._best = self._judge("start", "at the start", "start-", [self._start.unit], settings.seeds)[0]
+        self._start = self._best = self._search("start", "at the start", "start-", [self._start.unit])[0]
         if self._start.score.failed > 0:
             return PROCESS_FAILED
         self._tell("start", self._start.score)
         for number in range(1, settings.generations + 1):
-            candidates = self._judge(f"generation {number} of {settings.generations}", f"in generation {number}",
-                                     f"g{number:03}-c", self._optimiser.ask(), settings.seeds)
+            candidates = self._search(f"generation {number} of {settings.generations}", f"in generation {number}",
+                                      f"g{number:03}-c", self._optimiser.ask())
             self._take(candidates)
             self._tell(f"generation {number}", self._best.score)
             self._write(None)
@@ -126,14 +127,19 @@ class Tuner:
             self._tell(f"finalist {number}", on_final_seeds.score)
         self._write(None)
 
-    def _judge(self, title: str, place: str, prefix: str, units: Sequence[List[float]], seeds: str) -> List[Candidate]:
+    def _search(self, title: str, place: str, prefix: str, units: Sequence[List[float]]) -> List[Candidate]:
+        return self._judge(title, place, prefix, units, self._settings.seeds, self._settings.search_overrides)
+
+    def _judge(self, title: str, place: str, prefix: str, units: Sequence[List[float]], seeds: str,
+               more_overrides: Sequence[str] = ()) -> List[Candidate]:
         """Every seed of every candidate, as one set of runs.
 
         place: where the search is, for Interrupted. prefix: of the runs' folders.
         """
         settings = self._settings
         numbers = parse_seeds(seeds)
-        specs = [RunSpec(f"{prefix}{index:02}-seed-{seed:04}", settings.scenario, seed, self._overrides(unit), settings.duration,
+        specs = [RunSpec(f"{prefix}{index:02}-seed-{seed:04}", settings.scenario, seed, [*self._overrides(unit), *more_overrides],
+                         settings.duration,
                          in_process=not self._scenario.is_example)
                  for index, unit in enumerate(units, 1) for seed in numbers]
         results = run_all(specs, self._how, self._folder, f"tune {self._name}, {title}")
@@ -177,7 +183,8 @@ class Tuner:
     def _write(self, test: Optional[Dict[str, Any]]) -> None:
         settings = self._settings
         told = {
-            "scenario": self._name, "overrides": settings.overrides, "seeds": settings.seeds,
+            "scenario": self._name, "overrides": settings.overrides,
+            "search_overrides": settings.search_overrides, "seeds": settings.seeds,
             "final_seeds": settings.final_seeds if settings.finalists > 1 else None, "test_seeds": settings.test_seeds,
             "figure": settings.figure, "start": self._json(self._start.score),
             "best": self._json(self._best.score), "best_values": assignments(self._parameters, self._best.unit), "test": test,
