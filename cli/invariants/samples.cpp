@@ -150,10 +150,14 @@ void Samples::hear(const wire::RobotState& sample) {
   const bool reflex = sample.mode == c3rt_v2_ROBOT_REFLEX;
   if (reflex && !reflex_) {
     ++reflexes_;
-    // in its time or in its cycles: after a pause of the machine these come closer together
+    // in its time or in its cycles: after a pause of the machine these come closer together; or by
+    // the state that its newest command answered: the state that first told of it may have been
+    // replaced by the next one
     const bool without_commands =
         seconds(now_ns - obeyed_at_ns_) >= (kLostCommands - 0.5) * limits_.cycle ||
-        static_cast<double>(sample.header.seq) - static_cast<double>(obeyed_at_) >= kLostCommands;
+        static_cast<double>(sample.header.seq) - static_cast<double>(obeyed_at_) >= kLostCommands ||
+        (sample.command_state_ns != 0 &&
+         seconds(now_ns - sample.command_state_ns) >= kLostCommands * limits_.cycle);
     const bool of_lost_commands =
         sample.errors == plant::bit(plant::Error::kCommunicationConstraintsViolation) &&
         without_commands;

@@ -320,6 +320,22 @@ TEST_CASE("samples: a reflex of lost commands has its cause where commands were 
   CHECK(run.of("reflex") == (lost < 19 ? 1u : 0u));
 }
 
+TEST_CASE(
+    "samples: when the newest command came is known where the first state of it was replaced") {
+  const int lost = GENERATE(17, 20);
+  Run run;
+  run.cycles(10);
+  run.commanded = false;
+  run.state.command_state_ns = run.count * kMs;
+  ++run.commands;
+  run.count += 3;  // of which three states tell that were not sent
+  run.cycles(lost - 3);
+  run.state.errors = plant::bit(plant::Error::kCommunicationConstraintsViolation);
+  run.mode = c3rt_v2_ROBOT_REFLEX;
+  run.cycles(5);
+  CHECK(run.of("reflex") == (lost < 20 ? 1u : 0u));
+}
+
 TEST_CASE("samples: cycles that come closer together after a pause count as cycles") {
   const int lost = GENERATE(17, 19);
   Run run;
