@@ -127,7 +127,7 @@ TEST_CASE("numbers out of range, NaN and words that are not known are refused in
             "--exact, --trace: of numerical examples, circle_slow is none"},
            {"run cart_pole --exact 1 --trace", "--trace: of C3 alone"},
            {"gap cart_pole --planner circle_slow",
-            "--planner: of a recording (.mcap), got cart_pole"},
+            "--planner: expected a numerical example, got circle_slow"},
            {"gap push_t", "expected a problem file (.json), a recording (.mcap) or a numerical"},
            {"reproduce table1 --miqp-limit nan", "--miqp-limit: expected a number from"},
            {"status --dommain 3", "there is no option \"--dommain\"; did you mean \"--domain\"?"},
