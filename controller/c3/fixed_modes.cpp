@@ -35,6 +35,7 @@ void FixedModes::start(const lcs::Lcs& lcs) noexcept {
   fill(0, n_lambda_, lcs.F, lcs.E, lcs.H, lcs.c);
   fill(n_lambda_, n_x_, lcs.D, lcs.A, lcs.B, lcs.d);
   has_force_.setZero();
+  pivots_ = 0;
 }
 
 bool FixedModes::is_pivot(int row, int column) const noexcept {
@@ -44,6 +45,7 @@ bool FixedModes::is_pivot(int row, int column) const noexcept {
 
 /// Exchanges what a row is with what a column is.
 void FixedModes::pivot(int row, int column) noexcept {
+  ++pivots_;
   const double inverse = 1.0 / table_(row, column);
   row_ = -inverse * table_.row(row);
   row_[column] = inverse;

@@ -29,6 +29,8 @@ class FixedModes {
   bool exchange(int pair) noexcept;
 
   bool has_force(int pair) const noexcept { return has_force_[pair] != 0; }
+  /// Pivots since `start`: each adds its rounding to the table.
+  int pivots() const noexcept { return pivots_; }
   /// [S_x S_u] of a pair (n_x + n_u), and its s_0.
   const double* normal(int pair) const noexcept { return &table_(pair, n_lambda_); }
   double offset(int pair) const noexcept { return table_(pair, table_.cols() - 1); }
@@ -52,7 +54,7 @@ class FixedModes {
   Eigen::RowVectorXd row_;
   Eigen::VectorXd column_;
   Eigen::VectorXi has_force_;
-  int n_x_, n_lambda_, n_u_;
+  int n_x_, n_lambda_, n_u_, pivots_ = 0;
 };
 
 }  // namespace c3rt::c3

@@ -11,6 +11,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kSame = 1e-9;  // of a cost
+
 }  // namespace
 
 Polish::Polish(const Sizes& sizes, int max_qps)
@@ -55,6 +57,7 @@ void Polish::set_costs(const Costs& costs, const Constraints& constraints) {
   active_.clear();
   active_.reserve(row_count());
   kept_.reserve(row_count());
+  again_.reserve(row_count());
   side_.assign(row_count(), Side::kNone);
   sides_.reserve(2 * row_count());
   for (VectorXd* v : {&s_, &y_, &ds_, &dy_, &complementarity_}) v->setZero(2 * row_count());
@@ -71,6 +74,7 @@ void Polish::start(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   report_ = {};
   report_.status = PolishStatus::kNoPlan;
   kept_.clear();
+  is_loaded_ = false;
   take_inputs(u);
   if (simulate(plan_)) judge(plan_);
   first_ = plan_;
@@ -78,17 +82,67 @@ void Polish::start(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
 }
 
 void Polish::improve(const Eigen::Ref<const MatrixXd>& u, const Deadline& deadline) noexcept {
-  if (report_.status == PolishStatus::kDeadline || report_.qps >= max_qps_) return;
+  const int left = max_qps_ - report_.qps;
+  if (report_.status == PolishStatus::kDeadline || left < (report_.qps > 0 ? kFewestQps : 1))
+    return;
   take_inputs(u);
   if (plan_.u == first_.u) {
     plan_ = first_;
   } else if (simulate(plan_)) {
     judge(plan_);
   }
-  report_.status = PolishStatus::kBest;
-  limit_ = report_.qps + (max_qps_ - report_.qps + 1) / 2;
+  begin_descent((left + 1) / 2);
   load(plan_, true);
   descend(plan_, Effort::kThorough, deadline);
+  end_descent();
+}
+
+bool Polish::resume(const Eigen::Ref<const MatrixXd>& u, const PairModes& modes,
+                    const Deadline& deadline) noexcept {
+  const int left = max_qps_ - report_.qps;
+  if (modes(0, 0) == kNoMode || report_.status == PolishStatus::kDeadline || left <= 0)
+    return false;
+  const double before = report_.cost;
+  take_inputs(u);
+  again_.clear();
+  for (int row = 0; row < n_pairs_; ++row) {
+    const unsigned char mode = modes(row % sizes_.n_lambda, row / sizes_.n_lambda);
+    plan_.force[row] = (mode & kForceMode) != 0 ? 1 : 0;
+    if ((mode & kHeldMode) != 0) again_.push_back(row);
+  }
+  begin_descent(std::max(std::min(left, kMoveQps), (left + 1) / 2));
+  load(plan_, false);
+  if (solve()) {  // how little holds a row is told without the others
+    hold_again();
+    descend(plan_, Effort::kQuick, deadline);
+  }
+  end_descent();
+  return report_.cost < before;
+}
+
+void Polish::read_modes(PairModes& modes) const noexcept {
+  modes.resize(sizes_.n_lambda, sizes_.N);
+  for (int row = 0; row < n_pairs_; ++row)
+    modes(row % sizes_.n_lambda, row / sizes_.n_lambda) = best_.force[row] != 0 ? kForceMode : 0;
+  for (const Kept& kept : kept_) {
+    if (is_pair(kept.row))
+      modes(kept.row % sizes_.n_lambda, kept.row / sizes_.n_lambda) |= kHeldMode;
+  }
+}
+
+void Polish::begin_descent(int qps) noexcept {
+  report_.status = PolishStatus::kBest;
+  limit_ = report_.qps + qps;
+}
+
+void Polish::end_descent() noexcept {
+  // the next call goes on where this one has no QPs left
+  if (report_.status == PolishStatus::kQpLimit && plan_.violation <= kMet &&
+      plan_.cost <= (1.0 + kSame) * report_.cost) {
+    for (int row = 0; row < n_pairs_; ++row)
+      best_.force[row] = modes_[row / sizes_.n_lambda].has_force(row % sizes_.n_lambda) ? 1 : 0;
+    keep_active();
+  }
   if (report_.status == PolishStatus::kQpLimit && report_.qps < max_qps_)
     report_.status = PolishStatus::kBest;  // the limit was this plan's
   if (report_.status == PolishStatus::kBest && !std::isfinite(report_.cost))

@@ -15,6 +15,12 @@
 
 namespace c3rt::c3 {
 
+/// Bits of each pair of each stage (n_lambda × N), from which the next call goes on.
+using PairModes = Eigen::Matrix<unsigned char, Eigen::Dynamic, Eigen::Dynamic>;
+constexpr unsigned char kForceMode = 1;  // the gap is fixed to zero, else the force
+constexpr unsigned char kHeldMode = 2;   // the other side is held at zero, too
+constexpr unsigned char kNoMode = 4;     // there is no plan
+
 enum class PolishStatus {
   kOff,
   kNoPlan,    // none of the plans is complementary and meets the constraints: the solution is as
@@ -57,9 +63,15 @@ class Polish {
              const Eigen::Ref<const Eigen::MatrixXd>& x_desired,
              const Eigen::Ref<const Eigen::MatrixXd>& u,
              const Eigen::Ref<const Eigen::MatrixXd>& lambda) noexcept;
-  /// Goes down from a plan with these inputs (n_u × N), with half of the QPs that are left. RT: no
-  /// heap, no lock, no throw.
+  /// Goes down from a plan with these inputs (n_u × N), with half of the QPs that are left; not
+  /// where a descent went before and what is left is too little for one. RT: no heap, no lock, no
+  /// throw.
   void improve(const Eigen::Ref<const Eigen::MatrixXd>& u, const Deadline& deadline) noexcept;
+  /// Goes down from a plan whose modes are known as well, as the last call's: where that ended,
+  /// held pairs included. It has all QPs that a descent takes. True if that leads to the best plan.
+  /// RT.
+  bool resume(const Eigen::Ref<const Eigen::MatrixXd>& u, const PairModes& modes,
+              const Deadline& deadline) noexcept;
   /// Spends the QPs that are left on moves: a contact's pairs get other modes over a range of
   /// stages of the best plan, and from there it goes down. The moves are drawn by the bits of x_0.
   /// RT.
@@ -70,8 +82,13 @@ class Polish {
   const Eigen::MatrixXd& x() const noexcept { return best_.x; }
   const Eigen::MatrixXd& lambda() const noexcept { return best_.s; }
   const Eigen::MatrixXd& u() const noexcept { return best_.u; }
+  /// Its modes, or, where the QPs came to an end, those that its descent would go on with. RT if
+  /// `modes` has the sizes already.
+  void read_modes(PairModes& modes) const noexcept;
 
  private:
+  static constexpr int kFewestQps = 6;      // that a move, or one more descent, needs
+  static constexpr int kMoveQps = 20;       // of a move, or a plan whose modes are known
   static constexpr double kMet = 1e-7;      // violation of what counts as a plan
   static constexpr double kAtBound = 1e-9;  // of a value
   static constexpr double kOfValue = 1e-3;  // what none is measured beside less [unit of the row]
@@ -106,10 +123,14 @@ class Polish {
   bool draw_move() noexcept;
   int draw(int below) noexcept;
   void load(Plan& plan, bool fit) noexcept;
+  void load_modes(int k, const char* force) noexcept;
   void hold_kept() noexcept;
+  void begin_descent(int qps) noexcept;
+  void end_descent() noexcept;
   bool is_over(const Deadline& deadline) noexcept;
   bool leap(Plan& plan, const Deadline& deadline) noexcept;
   bool hold_violated() noexcept;
+  void hold_again() noexcept;
   bool fit_modes(int k, Plan& plan) noexcept;
   void take_modes(int k) noexcept;
   void roll(Plan& plan) noexcept;
@@ -178,6 +199,7 @@ class Polish {
   qp::RankOneTerms penalties_;
   int changed_ = 0;  // the last stage that differs from those factored
   bool modes_changed_ = true;
+  bool is_loaded_ = false;  // modes_ are tables of lcs_
   double largest_force_ = 0.0;
   std::vector<int> active_;  // rows that are held
   struct Kept {
@@ -186,6 +208,7 @@ class Polish {
     double weight, multiplier, inverse_hessian;
   };
   std::vector<Kept> kept_;  // of the best plan
+  std::vector<int> again_;  // rows that `resume` holds
   /// Of interior point iterations: one finite side of a row that is no equality,
   /// sign (value − bound) = s ≥ 0 with the multiplier y ≥ 0.
   struct Inequality {

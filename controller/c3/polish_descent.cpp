@@ -29,30 +29,47 @@ bool Polish::is_over(const Deadline& deadline) noexcept {
 void Polish::descend(Plan& plan, Effort effort, const Deadline& deadline) noexcept {
   u_first_ = plan.u;
   if (!leap(plan, deadline)) {
+    consider(plan);  // the QPs may have come to an end at a plan
     if (effort == Effort::kQuick || report_.status != PolishStatus::kBest) return;
     plan.u = u_first_;
     if (!converge(plan, deadline) || !leap(plan, deadline)) return;
   }
   consider(plan);
+  if (!release(plan) && plan.violation <= kMet) return;
   if (is_over(deadline) || !solve()) return;
   go_on(plan, deadline);
 }
 
 /// To the minimiser with the present modes by whole steps: after each the rows are dropped whose
-/// multipliers have the wrong sign, and all are held that are violated. False where that has no
-/// end.
+/// multipliers have the wrong sign, and all are held that are violated; it ends, too, where that
+/// brings nothing more. False where that has no end.
 bool Polish::leap(Plan& plan, const Deadline& deadline) noexcept {
   int corrections = 0;
+  bool was_met = false;
+  double before = 0.0;
   for (int round = 0; round < kMaxLeaps; ++round) {
     if (is_over(deadline) || !solve()) return false;
     plan.u += step_.bottomRows(sizes_.n_u);
     roll(plan);
     const bool held = hold_violated();
+    const bool met = plan.violation <= kMet;
+    if (!held && met && was_met && before - plan.cost <= kGain * plan.cost) return true;
+    was_met = met;
+    before = plan.cost;
     const bool dropped = (round < kBoldLeaps || !held) && drop_held(kGain * plan.cost);
     if (held || dropped) continue;
     if (plan.violation == 0.0 || ++corrections > kMaxCorrections) return true;
   }
   return false;
+}
+
+/// Holds again what a plan held at the last call.
+void Polish::hold_again() noexcept {
+  for (const int row : again_) {
+    const double along = inverse_hessian(row);
+    if (along > 0.0) add(row, Side::kLower, along);
+  }
+  again_.clear();
 }
 
 /// Holds rows that are violated.

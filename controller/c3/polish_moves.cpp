@@ -9,12 +9,12 @@ namespace {
 using Eigen::MatrixXd;
 
 constexpr int kMaxMoves = 50;  // of a call
-constexpr int kMoveQps = 20;   // of a move
 
 }  // namespace
 
 void Polish::explore(const Deadline& deadline) noexcept {
   if (report_.status != PolishStatus::kBest) return;
+  if (report_.qps + kFewestQps > max_qps_) return;
   find_contacts();
   random_ = 0;
   for (int i = 0; i < sizes_.n_x; ++i) {
@@ -23,7 +23,7 @@ void Polish::explore(const Deadline& deadline) noexcept {
     random_ = (random_ ^ bits) * 0x9e3779b97f4a7c15U;
     random_ ^= random_ >> 32U;
   }
-  for (int moves = 0; moves < kMaxMoves && report_.qps < max_qps_; ++moves) {
+  for (int moves = 0; moves < kMaxMoves && report_.qps + kFewestQps <= max_qps_; ++moves) {
     if (!draw_move()) continue;
     limit_ = std::min(max_qps_, report_.qps + kMoveQps);
     load(plan_, false);

@@ -11,6 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kStiffness = 1e7;   // of a penalty, relative to the problem against it
+constexpr int kMaxPivots = 50;       // of a table, then it is made anew
 constexpr double kOfLargest = 1e-3;  // of the largest force: what none is measured beside less
 
 }  // namespace
@@ -91,22 +92,39 @@ void Polish::load(Plan& plan, bool fit) noexcept {
   largest_force_ = 0.0;
   for (int k = 0; k < sizes_.N; ++k) {
     char* force = plan.force.data() + k * n_lambda;
-    bool is_as_before = k > 0 && lcs_.stride == 0;
-    for (int j = 0; is_as_before && j < n_lambda; ++j)
-      is_as_before = modes_[k - 1].has_force(j) == (force[j] != 0);
-    if (is_as_before) {
-      modes_[k] = modes_[k - 1];
-    } else {
-      modes_[k].start(lcs_[k]);
-      modes_[k].set(force);
-    }
+    load_modes(k, force);
     xu_.col(k).head(sizes_.n_x) = plan.x.col(k);
     xu_.col(k).tail(sizes_.n_u) = plan.u.col(k);
     for (int tries = 0; fit && tries < 2 * n_lambda && !fit_modes(k, plan); ++tries) {
     }
     take_modes(k);
   }
+  is_loaded_ = true;
   roll(plan);
+}
+
+/// From the table that takes the fewest pivots: the stage's own of before, that of the stage before
+/// or a new one.
+void Polish::load_modes(int k, const char* force) noexcept {
+  const auto differing = [&](const FixedModes& modes) {
+    int count = 0;
+    for (int j = 0; j < sizes_.n_lambda; ++j)
+      count += modes.has_force(j) != (force[j] != 0) ? 1 : 0;
+    return modes.pivots() + count > kMaxPivots ? sizes_.n_lambda + 1 : count;
+  };
+  int fewest = 0;
+  for (int j = 0; j < sizes_.n_lambda; ++j) fewest += force[j] != 0 ? 1 : 0;
+  const int own = is_loaded_ ? differing(modes_[k]) : sizes_.n_lambda + 1;
+  const int before = k > 0 && lcs_.stride == 0 ? differing(modes_[k - 1]) : sizes_.n_lambda + 1;
+  if (before < std::min(own, fewest)) {
+    modes_[k] = modes_[k - 1];
+  } else if (own >= fewest) {
+    modes_[k].start(lcs_[k]);
+  }
+  // which forces are left out, where not all are determined, must not depend on where it began
+  if (modes_[k].set(force)) return;
+  modes_[k].start(lcs_[k]);
+  modes_[k].set(force);
 }
 
 /// The stage's sides and next state. If one is not met, its pair is fixed the other way: false.

@@ -83,6 +83,7 @@ Solver::Solver(const Sizes& sizes, const Settings& settings, const Parallel& par
   for (int i = 0; i < workers; ++i) workers_.push_back({make_projection(sizes, settings), nullptr});
   if (settings.polish > 0 && sizes.n_lambda > 0 && sizes.n_u > 0)
     polish_ = std::make_unique<Polish>(sizes, settings.polish);
+  solution_.modes.resize(sizes.n_lambda, sizes.N);
   for (MatrixXd* m : {&delta_, &v_, &solution_.z, &solution_.delta, &solution_.w}) {
     m->setZero(n_copy_, sizes.N);
   }
@@ -151,6 +152,10 @@ Failure Solver::refuse(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   if (start->u.size() != 0) {
     if (start->u.rows() != sizes_.n_u || start->u.cols() != sizes_.N) return Failure::kWrongSize;
     if (!start->u.allFinite()) return Failure::kNotFinite;
+  }
+  if (start->modes.size() != 0) {
+    if (start->modes.rows() != sizes_.n_lambda || start->modes.cols() != sizes_.N)
+      return Failure::kWrongSize;
   }
   if (start->delta.size() == 0 && start->w.size() == 0) return Failure::kNone;
   for (const MatrixXd* m : {&start->delta, &start->w}) {
@@ -240,10 +245,13 @@ void Solver::polish(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   const int n_x = sizes_.n_x, n_lambda = sizes_.n_lambda, n_u = sizes_.n_u, N = sizes_.N;
   const auto inputs = z_.bottomRows(n_u);
   polish_->start(lcs, x0, x_desired, inputs, solution_.delta.middleRows(n_x, n_lambda));
+  const bool is_known = start != nullptr && start->u.size() != 0;
+  const bool is_better =
+      is_known && start->modes.size() != 0 && polish_->resume(start->u, start->modes, deadline);
+  if (is_known && !is_better) polish_->improve(start->u, deadline);
   polish_->improve(inputs, deadline);
   // each of them meets its stage's pairs, which Algorithm 1's need not
-  polish_->improve(solution_.delta.middleRows(n_x + n_lambda, n_u), deadline);
-  if (start != nullptr && start->u.size() != 0) polish_->improve(start->u, deadline);
+  if (!is_better) polish_->improve(solution_.delta.middleRows(n_x + n_lambda, n_u), deadline);
   polish_->explore(deadline);
   solution_.polish = polish_->report();
   if (!std::isfinite(solution_.polish.cost)) return;
@@ -251,6 +259,7 @@ void Solver::polish(Horizon lcs, const Eigen::Ref<const VectorXd>& x0,
   solution_.z.middleRows(n_x, n_lambda) = polish_->lambda();
   solution_.z.middleRows(n_x + n_lambda, n_u) = polish_->u();
   solution_.x_N = polish_->x().col(N);
+  polish_->read_modes(solution_.modes);
   consensus_->append(solution_.z);
 }
 
@@ -360,6 +369,7 @@ void Solver::reset() noexcept {
   solution_.projection = {};
   solution_.failed_stage = 0;
   solution_.polish = {};
+  solution_.modes.setConstant(kNoMode);
 }
 
 const Solution& Solver::fail(Failure failure) noexcept {
@@ -373,11 +383,13 @@ void shift(const Solution& solution, double rho, Start& start) {
   start.delta.resizeLike(solution.delta);
   start.w.resizeLike(solution.w);
   start.u.resize(solution.sizes.n_u, N);
+  start.modes.resizeLike(solution.modes);
   for (Eigen::Index k = 0; k < N; ++k) {
     const Eigen::Index next = std::min(k + 1, N - 1);
     start.delta.col(k) = solution.delta.col(next);
     start.w.col(k) = solution.w.col(next) * (solution.rho / rho);
     start.u.col(k) = solution.sizes.u(solution.z.col(next));
+    start.modes.col(k) = solution.modes.col(next);
   }
 }
 

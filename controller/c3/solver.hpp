@@ -96,6 +96,7 @@ struct Solution {
   int failed_stage = 0;              // that stage
   // with Settings::polish; where it has a plan, z and x_N are that plan, its forces complementary
   PolishReport polish{};
+  PairModes modes;             // (n_lambda × N) of that plan; kNoMode where there is none
   std::vector<Iterate> trace;  // (s) the first `iterations` count; empty unless asked for
   Sizes sizes{};
 
@@ -106,6 +107,7 @@ struct Solution {
 struct Start {
   Eigen::MatrixXd delta, w;  // (n_copy × N), or both empty: as without a start
   Eigen::MatrixXd u = {};    // (n_u × N) of a plan that is known, as the last one; or empty
+  PairModes modes = {};      // (n_lambda × N) of that plan, as Solution::modes; or empty
 };
 
 /// A start from an earlier solution, one stage on: stage k takes the copy, the dual and the inputs

@@ -51,11 +51,17 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
   const bool is_known = has_plan_ && 2 * stages_per_period_ <= sizes_.N;
   if (is_known) {
     known_.u.resizeLike(u_);
-    for (int k = 0; k < sizes_.N; ++k)
-      known_.u.col(k) = u_.col(std::min(k + stages_per_period_, sizes_.N - 1));
+    known_.modes.resizeLike(modes_);
+    for (int k = 0; k < sizes_.N; ++k) {
+      const int of = std::min(k + stages_per_period_, sizes_.N - 1);
+      known_.u.col(k) = u_.col(of);
+      known_.modes.col(k) = modes_.col(of);
+    }
     start_.u = known_.u;
+    start_.modes = known_.modes;
   } else {
     start_.u.resize(0, 0);
+    start_.modes.resize(0, 0);
   }
   const c3::Start* start = started ? &start_ : nullptr;
   if (start == nullptr && is_known) start = &known_;
@@ -71,6 +77,7 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     shift(*solution_, rho_, start_);
   }
   has_start_ = has_plan_ = true;
+  modes_ = solution_->modes;
   u_ = solution_->z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
   return &u_;
 }

@@ -41,7 +41,8 @@ class C3Controller final : public Controller {
   double rho_;
   c3::Solver solver_;
   Eigen::MatrixXd x_desired_, u_;
-  c3::Start start_, known_;  // known_: of the last plan's inputs alone
+  c3::PairModes modes_;
+  c3::Start start_, known_;  // known_: of the last plan alone
   long period_ = 0;
   bool has_start_ = false, has_plan_ = false;
   const c3::Solution* solution_ = nullptr;

@@ -214,6 +214,61 @@ TEST_CASE("polish: a known plan is kept where Algorithm 1's leads to none as goo
   CHECK(solver.solve(ball.lcs, ball.x0, ball.x_desired, {}, &start).failure == Failure::kWrongSize);
 }
 
+TEST_CASE("polish: what one call has no QPs left for, the next goes on with") {
+  const Ball ball(0.002);
+  Solver solver(ball.sizes, settings(8)), whole(ball.sizes, settings(200));
+  solver.set_costs(ball.costs);
+  whole.set_costs(ball.costs);
+  const double reference = whole.solve(ball.lcs, ball.x0, ball.x_desired).polish.cost;
+  Start start;
+  double first = 0.0, before = kInfinity;
+  for (int call = 0; call < 20; ++call) {
+    const Solution& solution = solver.solve(ball.lcs, ball.x0, ball.x_desired, {}, &start);
+    REQUIRE(solution.status == SolveStatus::kOk);
+    CHECK(solution.polish.qps <= 8);
+    CHECK(solution.polish.cost <= before * (1.0 + 1e-6));
+    CHECK(simulated(ball, inputs(solution)) == Approx(solution.polish.cost).epsilon(1e-6));
+    before = solution.polish.cost;
+    if (call == 0) first = before;
+    start.u = inputs(solution);
+    start.modes = solution.modes;
+  }
+  CHECK(first > 1.05 * reference);
+  CHECK(before <= 1.05 * reference);
+}
+
+TEST_CASE("polish: modes say what is fixed and held, and shifted ones are a stage further on") {
+  Wall wall(0.1);
+  PairModes modes;
+  (void)wall.from(-4.0, -1.0);  // ends at the kink, where both sides are zero
+  wall.polish.read_modes(modes);
+  CHECK((modes(0, 0) & kHeldMode) != 0);
+  (void)wall.from(0.2, 3.0);  // ends within the mode without a force
+  wall.polish.read_modes(modes);
+  CHECK(modes(0, 0) == 0);
+
+  const Ball ball(0.002);
+  Solver solver(ball.sizes, settings(kQps)), without(ball.sizes, settings(0));
+  solver.set_costs(ball.costs);
+  without.set_costs(ball.costs);
+  const Solution& solution = solver.solve(ball.lcs, ball.x0, ball.x_desired);
+  for (int k = 0; k < ball.sizes.N; ++k) {
+    for (int j = 0; j < ball.sizes.n_lambda; ++j) {
+      if (ball.sizes.lambda(solution.z.col(k))[j] > 1e-6)
+        CHECK((solution.modes(j, k) & kForceMode) != 0);
+    }
+  }
+  Start start;
+  shift(solution, 1.0, start);
+  const int N = ball.sizes.N;
+  CHECK(start.modes.leftCols(N - 1) == solution.modes.rightCols(N - 1));
+  CHECK(start.modes.col(N - 1) == solution.modes.col(N - 1));
+  start.modes.conservativeResize(ball.sizes.n_lambda, N - 1);
+  CHECK(solver.solve(ball.lcs, ball.x0, ball.x_desired, {}, &start).failure == Failure::kWrongSize);
+  const Solution& plain = without.solve(ball.lcs, ball.x0, ball.x_desired);
+  CHECK((plain.modes.array() == kNoMode).all());
+}
+
 TEST_CASE("polish: the same problem gives the same bits, and nothing is allocated") {
   const Ball ball(0.002), other(0.01, 0.2);
   Solver a(ball.sizes, settings(kQps)), b(ball.sizes, settings(kQps));
@@ -228,6 +283,17 @@ TEST_CASE("polish: the same problem gives the same bits, and nothing is allocate
   CHECK(again.z == first.z);
   CHECK(again.x_N == first.x_N);
   CHECK(b.solve(ball.lcs, ball.x0, ball.x_desired).z == first.z);
+  Start start;
+  start.u = inputs(first);
+  start.modes = first.modes;
+  const Solution resumed = b.solve(ball.lcs, ball.x0, ball.x_desired, {}, &start);
+  (void)a.solve(other.lcs, other.x0, other.x_desired);
+  const support::AllocationCounter of_start;
+  const Solution& once_more = a.solve(ball.lcs, ball.x0, ball.x_desired, {}, &start);
+  const auto count_of_start = of_start.count();
+  CHECK(count_of_start == 0);
+  CHECK(once_more.z == resumed.z);
+  CHECK(once_more.modes == resumed.modes);
 }
 
 TEST_CASE(
@@ -253,10 +319,10 @@ TEST_CASE(
 
 TEST_CASE("polish: a limit of QPs holds, and a negative one is refused") {
   const Ball ball(0.002);
-  Solver solver(ball.sizes, settings(3));
+  Solver solver(ball.sizes, settings(1));
   solver.set_costs(ball.costs);
   const Solution& solution = solver.solve(ball.lcs, ball.x0, ball.x_desired);
-  CHECK(solution.polish.qps == 3);
+  CHECK(solution.polish.qps == 1);
   CHECK(solution.polish.status == PolishStatus::kQpLimit);
   CHECK(solution.polish.cost <= solution.polish.cost_before);
   CHECK_THROWS_WITH(check(settings(-1)), "Settings.polish: expected 0 or more, got -1");
