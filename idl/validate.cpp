@@ -171,7 +171,9 @@ const char* reason_name(Reason reason) {
 std::string to_text(const Refusal& refusal) {
   std::string field = refusal.field;
   if (refusal.index >= 0) field += "[" + std::to_string(refusal.index) + "]";
-  const std::string range = number(refusal.low) + " to " + number(refusal.high);
+  const std::string range = refusal.low == refusal.high
+                                ? number(refusal.low)
+                                : number(refusal.low) + " to " + number(refusal.high);
   switch (refusal.reason) {
     case Reason::kNone:
       return "";
@@ -305,9 +307,11 @@ void check_ranges(const RobotMotion& s, Check& check) noexcept {
       .size("v_WE_m_per_s", s.v_WE_m_per_s, kEffectorSpeed_m_per_s)
       .size("omega_WE_rad_per_s", s.omega_WE_rad_per_s, kJointSpeed_rad_per_s)
       .size("elbow_q3_rad", s.elbow_q3_rad, kJoint_rad)
-      .size("elbow_sign", s.elbow_sign, 1.0);
-  check.enumerator("kind", s.kind, -1);
+      .size("elbow_sign", s.elbow_sign, 1.0)
+      .truth("has_elbow", s.has_elbow, -1)
+      .enumerator("kind", s.kind, -1);
   if (check.finding()) return;
+  if (s.has_elbow) check.within("|elbow_sign|", std::abs(s.elbow_sign), 1.0, 1.0);
   if (s.kind == c3rt_v2_MOTION_CARTESIAN_POSE) {
     check.unit("q_WE", s.q_WE);
   } else {

@@ -63,7 +63,7 @@ class Numbering {
     } else if constexpr (std::is_same_v<T, bool>) {
       value = true;
     } else if constexpr (std::is_same_v<T, double>) {
-      value = 1e-3 * number_;
+      value = std::string(name) == "elbow_sign" ? -1.0 : 1e-3 * number_;
     } else if constexpr (std::is_same_v<T, std::int64_t>) {
       value = 1'000'000'000 + number_;
     } else if constexpr (std::is_same_v<T, std::uint64_t>) {

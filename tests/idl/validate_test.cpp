@@ -91,7 +91,8 @@ bool usable(const RobotMotion& s) {
          below(s.q_rad, 10) && below(s.dq_rad_per_s, 100) && below(s.p_WE_m, 5) &&
          (s.kind == c3rt_v2_MOTION_CARTESIAN_POSE ? unit(s.q_WE) : unit_or_none(s.q_WE)) &&
          below(s.v_WE_m_per_s, 10) && below(s.omega_WE_rad_per_s, 100) && known(s.has_elbow) &&
-         std::fabs(s.elbow_q3_rad) <= 10 && std::fabs(s.elbow_sign) <= 1 && known(s.finished);
+         std::fabs(s.elbow_q3_rad) <= 10 && std::fabs(s.elbow_sign) <= 1 &&
+         (!s.has_elbow || std::fabs(s.elbow_sign) == 1) && known(s.finished);
 }
 /// No contact above its collision, and no collision that any touch would be.
 template <std::size_t n>
@@ -309,7 +310,7 @@ TEST_CASE("validate: the finding names the field, what came and what was expecte
   CHECK_THAT(answer(estimate), Catch::StartsWith("exposure_ns is -9.2"));
   auto state = plain<RobotState>();
   state.robot = 7;
-  CHECK(answer(state) == "robot is 7, expected 0 to 0");
+  CHECK(answer(state) == "robot is 7, expected 0");
   ServiceReply reply{};
   std::memset(reply.text, 'x', sizeof reply.text);
   CHECK(answer(reply) == "text is no text: expected at most 511 printable letters and an end");
@@ -364,7 +365,16 @@ TEST_CASE("validate: a pose that is commanded has a rotation, other motions need
   CHECK(answer(motion).empty());
   motion.elbow_sign = -1.5;
   CHECK(answer(motion) == "elbow_sign is -1.5, expected -1 to 1");
+  motion.elbow_sign = 0.5;  // not used
+  CHECK(answer(motion).empty());
+  motion.has_elbow = true;
+  CHECK(answer(motion) == "|elbow_sign| is 0.5, expected 1");
+  motion.elbow_sign = 0.0;
+  CHECK(answer(motion) == "|elbow_sign| is 0, expected 1");
+  motion.elbow_sign = 1.0;
+  CHECK(answer(motion).empty());
   motion.elbow_sign = -1.0;
+  CHECK(answer(motion).empty());
   motion.dq_rad_per_s[3] = kNaN;  // a reader lets no number in that is none, of whatever kind
   CHECK(answer(motion) == "dq_rad_per_s[3] is nan, expected -100 to 100");
 }

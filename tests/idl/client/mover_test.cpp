@@ -76,6 +76,8 @@ TEST_CASE("mover: what no reader would let in is named") {
   CartesianPose pose{{0.5, 0, 0.1}};
   pose.elbow = Elbow{0.0, 1.5};
   CHECK_THAT(refusal_of(pose), Catch::Contains("elbow_sign"));
+  pose.elbow = Elbow{0.0, 0.5};
+  CHECK_THAT(refusal_of(pose), Catch::Contains("|elbow_sign| is 0.5, expected 1"));
 }
 
 TEST_CASE("mover: where impedance is already it ends and names it") {
