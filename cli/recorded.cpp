@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/paths.hpp"
 #include "config/extends.hpp"
@@ -14,6 +15,7 @@ namespace c3rt::cli {
 void tell(Recording& recording, const Recorded& of) {
   recording.add_metadata(kRunMetadata, {{"scenario", of.scenario},
                                         {"file", of.file},
+                                        {"overrides", nlohmann::json(of.overrides).dump()},
                                         {"seed", std::to_string(of.seed)},
                                         {"clock", of.clock}});
   recording.attach(
@@ -36,6 +38,15 @@ std::string text_of(const Contents& contents, const char* metadata, const char* 
   if (texts == contents.metadata.end()) return "";
   const auto value = texts->second.find(key);
   return value == texts->second.end() ? "" : value->second;
+}
+
+std::vector<std::string> overrides_of(const Contents& contents) {
+  const auto list =
+      nlohmann::json::parse(text_of(contents, kRunMetadata, "overrides"), nullptr, false);
+  const bool texts = list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& item) {
+                       return item.is_string();
+                     });
+  return texts ? list.get<std::vector<std::string>>() : std::vector<std::string>{};
 }
 
 std::uint64_t seed_of(const Contents& contents) {

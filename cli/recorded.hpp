@@ -25,6 +25,9 @@ void tell_of(const Contents& contents, const std::string& file);
 /// A value of its metadata, "" if it has none.
 std::string text_of(const Contents& contents, const char* metadata, const char* key);
 
+/// Of its scenario, in effect in the attachment already; none if it tells none.
+std::vector<std::string> overrides_of(const Contents& contents);
+
 /// 1 if it tells none.
 std::uint64_t seed_of(const Contents& contents);
 

@@ -18,7 +18,7 @@ namespace c3rt::cli {
 constexpr const char* kRecordingName = "run.mcap";            // in the folder of a run
 constexpr const char* kScenarioAttachment = "scenario.yaml";  // whole, with nothing that it extends
 constexpr const char* kReportAttachment = "report.json";
-constexpr const char* kRunMetadata = "run";        // "scenario", "seed", "clock"
+constexpr const char* kRunMetadata = "run";  // "scenario", "file", "overrides", "seed", "clock"
 constexpr const char* kResultMetadata = "result";  // "result", "real_time_factor"
 
 /// Whether a topic is recorded: all but what keeps simulated time.

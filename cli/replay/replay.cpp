@@ -103,6 +103,7 @@ std::unique_ptr<DomainLock> lock_of(const Seat& seat, const wire::BusSettings& b
   self.scenario = text_of(overview.contents, kRunMetadata, "scenario");
   const std::string file = text_of(overview.contents, kRunMetadata, "file");
   if (access(file.c_str(), R_OK) == 0) self.file = file;
+  self.overrides = overrides_of(overview.contents);
   self.clock = "realtime";
   self.session = bus.session_id;
   self.seed = seed_of(overview.contents);

@@ -1,10 +1,12 @@
 // c3rt replay as a person meets it, on recordings that c3rt run leaves.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
+#include "cli/lock.hpp"
 #include "cli/recording/recording.hpp"
 #include "idl/dds.hpp"
 #include "tests/cli/folder.hpp"
@@ -68,6 +70,21 @@ TEST_CASE(
   const Outcome rate = run.replay("--compare planner --set planner.rate_hz=37.5");
   CHECK(rate.status == 1);
   CHECK_THAT(rate.output, Contains("in the recording alone"));
+}
+
+TEST_CASE("who looks at a replay learns what the run was told to override") {
+  const Run run("circle_slow --duration 0.2 --seed 4 --set vision.emulated.noise_m=0.002");
+  const std::uint32_t domain = wire::test::kDomain;
+  const Outcome outcome = run.replay("--rate max --domain " + std::to_string(domain));
+  CAPTURE(outcome.output);
+  REQUIRE(outcome.status == 0);
+  const auto left = last_instance(run.place.locks(), domain);
+  REQUIRE(left);
+  CHECK(left->verb == "replay");
+  CHECK(left->seed == 4);
+  CHECK(left->overrides ==
+        std::vector<std::string>{"vision.emulated.noise_m=0.002", "task.duration_s=0.2"});
+  CHECK(std::filesystem::path(left->file).filename() == "circle_slow.yaml");
 }
 
 TEST_CASE("what cannot be replayed is a usage error in a plain sentence") {
