@@ -382,14 +382,22 @@ void shift(const Solution& solution, double rho, Start& start) {
   const Eigen::Index N = solution.delta.cols();
   start.delta.resizeLike(solution.delta);
   start.w.resizeLike(solution.w);
-  start.u.resize(solution.sizes.n_u, N);
-  start.modes.resizeLike(solution.modes);
   for (Eigen::Index k = 0; k < N; ++k) {
     const Eigen::Index next = std::min(k + 1, N - 1);
     start.delta.col(k) = solution.delta.col(next);
     start.w.col(k) = solution.w.col(next) * (solution.rho / rho);
-    start.u.col(k) = solution.sizes.u(solution.z.col(next));
-    start.modes.col(k) = solution.modes.col(next);
+  }
+  shift_plan(solution, 1, start);
+}
+
+void shift_plan(const Solution& solution, int stages, Start& start) {
+  const Eigen::Index N = solution.modes.cols();
+  start.u.resize(solution.sizes.n_u, N);
+  start.modes.resizeLike(solution.modes);
+  for (Eigen::Index k = 0; k < N; ++k) {
+    const Eigen::Index of = std::min(k + stages, N - 1);
+    start.u.col(k) = solution.sizes.u(solution.z.col(of));
+    start.modes.col(k) = solution.modes.col(of);
   }
 }
 

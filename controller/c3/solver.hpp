@@ -115,6 +115,10 @@ struct Start {
 /// No heap if `start` has the sizes already.
 void shift(const Solution& solution, double rho, Start& start);
 
+/// Of that, the plan alone, `stages` on: its inputs and modes; the rest of `start` stays. No heap
+/// if these have the sizes already.
+void shift_plan(const Solution& solution, int stages, Start& start);
+
 /// Consensus complementarity control [C3, Algorithm 1]:
 ///
 ///   z ← QP (21);   δ_k ← projection of z_k + w_k (22);   w_k ← (w_k + z_k − δ_k)/ρ_s;   ρ ← ρ_s ρ

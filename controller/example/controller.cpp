@@ -1,6 +1,5 @@
 #include "controller/example/controller.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace c3rt::example {
@@ -50,13 +49,6 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
   // of a plan less than half of which is left polish makes little of worth
   const bool is_known = has_plan_ && 2 * stages_per_period_ <= sizes_.N;
   if (is_known) {
-    known_.u.resizeLike(u_);
-    known_.modes.resizeLike(modes_);
-    for (int k = 0; k < sizes_.N; ++k) {
-      const int of = std::min(k + stages_per_period_, sizes_.N - 1);
-      known_.u.col(k) = u_.col(of);
-      known_.modes.col(k) = modes_.col(of);
-    }
     start_.u = known_.u;
     start_.modes = known_.modes;
   } else {
@@ -77,7 +69,7 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     shift(*solution_, rho_, start_);
   }
   has_start_ = has_plan_ = true;
-  modes_ = solution_->modes;
+  shift_plan(*solution_, stages_per_period_, known_);
   u_ = solution_->z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
   return &u_;
 }

@@ -41,8 +41,7 @@ class C3Controller final : public Controller {
   double rho_;
   c3::Solver solver_;
   Eigen::MatrixXd x_desired_, u_;
-  c3::PairModes modes_;
-  c3::Start start_, known_;  // known_: of the last plan alone
+  c3::Start start_, known_;  // known_: of the last plan alone, as old as it is at the next decision
   long period_ = 0;
   bool has_start_ = false, has_plan_ = false;
   const c3::Solution* solution_ = nullptr;

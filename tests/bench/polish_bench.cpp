@@ -215,13 +215,7 @@ void run(Case c, int qps, bool first_input, bool verbose) {
     if (c.shifted) shift(solution, c.settings.rho, start);
     const MatrixXd u = solution.z.middleRows(n_u_at, c.sizes.n_u);
     const MatrixXd best = better.z.middleRows(n_u_at, c.sizes.n_u);
-    polished_start.u = best;
-    const int by = std::min(c.stages_per_period, c.sizes.N - 1);
-    for (int k = 0; k < c.sizes.N; ++k)
-      polished_start.u.col(k) = best.col(std::min(k + by, c.sizes.N - 1));
-    polished_start.modes = better.modes;
-    for (int k = 0; k < c.sizes.N; ++k)
-      polished_start.modes.col(k) = better.modes.col(std::min(k + by, c.sizes.N - 1));
+    shift_plan(better, c.stages_per_period, polished_start);
     if (!use_last) polished_start.u.resize(0, 0);
     n_qps.push_back(better.polish.qps);
     const double cost = simulated_cost(c, i, u), polished = simulated_cost(c, i, best);

@@ -133,4 +133,3 @@ def _open_loop(reproduction: Reproduction, results: Dict[str, Any]) -> List[List
     told_of["proven"], told_of["states"] = told["proven"], len(states)
     rows.append([f"(15) proven to 1e-4: {told['proven']} of {len(states)}"])
     return rows
-
