@@ -75,14 +75,9 @@ void Keeper::hear(double now) {
   if (robot_well()) well_at_ = now;
 
   wire::TaskTarget target{};
-  while (targets_.take(target)) {
-    asked_ = target;
-    if (target.request_id == 0) target_ = target;
-  }
+  while (targets_.take(target)) target_.asked(target);
   wire::ServiceReply reply{};
-  while (replies_.take(reply)) {
-    if (asked_ && reply.request_id == asked_->request_id && reply.ok) target_ = asked_;
-  }
+  while (replies_.take(reply)) target_.answered(reply);
 }
 
 bool Keeper::robot_well() const {
@@ -97,8 +92,8 @@ void Keeper::tell_target() {
   const Kept& kept = kept_[wire::process_name(c3rt_v2_PROCESS_PLANNER)];
   if (kept.due || planner.pid == kept.pid || !in_service(planner)) return;
   target_is_due_ = false;
-  if (!target_) return;
-  wire::TaskTarget again = *target_;
+  if (!target_.target()) return;
+  wire::TaskTarget again = *target_.target();
   again.request_id = 0;
   target_writer_.write(again, rt::now_ns());
 }

@@ -9,6 +9,7 @@
 #include "cli/launch.hpp"
 #include "cli/restart_policy.hpp"
 #include "cli/supervisor.hpp"
+#include "cli/taken_target.hpp"
 #include "idl/dds.hpp"
 
 namespace c3rt::cli {
@@ -60,8 +61,8 @@ class Keeper {
   wire::Writer<wire::TaskTarget> target_writer_;
   wire::Writer<wire::ServiceRequest> requests_;
   std::array<wire::ServiceStatus, wire::kProcessCount> heard_{};  // the newest of each, pid 0: none
-  std::optional<wire::TaskTarget> asked_, target_;  // the newest; the newest that was taken
-  double well_at_ = -1e9;                           // the robot was well
+  TakenTarget target_;
+  double well_at_ = -1e9;       // the robot was well
   std::string restarted_;       // who was started again while the robot was well; empty: nobody
   bool target_is_due_ = false;  // of a planner that was started again
   int recovers_ = 0;            // asked for since then
