@@ -1,6 +1,8 @@
 #include "config/override.hpp"
 
+#include <memory>
 #include <sstream>
+#include <utility>
 
 #include "config/config_error.hpp"
 
@@ -25,6 +27,21 @@ AnyTree* at_path(AnyTree& root, const std::string& path) {
   return is_value ? at : nullptr;
 }
 
+/// Where a key that the mapping above it does not have yet gets its value, or none.
+Tree* add_key(Tree& root, const std::string& path, const std::string& file) {
+  const std::size_t dot = path.rfind('.');
+  const std::string key = path.substr(dot + 1);
+  Tree* mapping = dot == std::string::npos ? &root : at_path(root, path.substr(0, dot));
+  // what a file extends is read before
+  if (mapping == nullptr || !mapping->is_map() || key.empty() || path == "extends") return nullptr;
+  if (mapping->find(key) != nullptr) return nullptr;
+  Entry entry;
+  entry.key = key;
+  entry.place.file = std::make_shared<const std::string>(file);
+  mapping->map.push_back(std::move(entry));
+  return &mapping->map.back().value;
+}
+
 }  // namespace
 
 void apply_override(Tree& root, const std::string& file, const std::string& text) {
@@ -34,6 +51,7 @@ void apply_override(Tree& root, const std::string& file, const std::string& text
                       ": expected key=value, for example --set planner.rate_hz=75");
   const std::string path = text.substr(0, equals);
   Tree* value = at_path(root, path);
+  if (value == nullptr) value = add_key(root, path, file);
   if (value == nullptr) throw ConfigError("--set " + path + ": no such key in " + file);
   *value = parse_override(text, text.substr(equals + 1), file);
 }

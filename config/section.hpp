@@ -91,9 +91,9 @@ class Section {
 /// A scenario file, laid over what it extends, with overrides applied.
 class Document {
  public:
-  /// @param overrides "planner.admm.iterations=2": replaces one existing key; an unknown one is
-  /// refused
-  /// @throws ConfigError if the file is missing, not YAML, or an override names no key
+  /// @param overrides "planner.admm.iterations=2": replaces a key of a mapping that is there, or
+  /// adds it; one that nobody reads is refused by `finish`
+  /// @throws ConfigError if the file is missing, not YAML, or an override leads nowhere
   static Section load(const std::string& path, const std::vector<std::string>& overrides = {});
   static Section parse(const std::string& text, const std::string& name,
                        const std::vector<std::string>& overrides = {});

@@ -71,9 +71,12 @@ class C3Controller {
   /// Steps 2 and 3: the plan from x̂, of which result() has the solution. A strategy that compares
   /// several places of the end effector asks for one plan each.
   StepStatus plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline);
-  /// Steps 2 to 5.
+  /// Steps 2 to 5. Polish begins with what it made of the last step's plan, too.
   StepStatus step(const scene::Scene& x_hat, int costs, double delta_t_c,
                   const c3::Deadline& deadline);
+
+  /// The next step follows no other.
+  void forget_plan() noexcept { has_known_ = false; }
 
   const StepResult& result() const noexcept { return result_; }
   // of the last plan
@@ -84,7 +87,8 @@ class C3Controller {
  private:
   void use(int costs);
   bool begins_free(int contact, double phi) const;
-  const c3::Start* start(const Eigen::VectorXd& phi);
+  StepStatus plan(const scene::Scene& x_hat, int costs, const c3::Deadline& deadline, bool goes_on);
+  const c3::Start* start(const Eigen::VectorXd& phi, bool goes_on);
 
   double dt_;
   bool scale_forces_;
@@ -103,6 +107,9 @@ class C3Controller {
   Eigen::MatrixXd x_desired_;
   Eigen::VectorXd x_hat_, x_next_;
   double free_beyond_ = std::numeric_limits<double>::infinity();
+  bool polishes_, has_known_ = false;
+  int stages_per_period_;
+  c3::Start known_;  // the last step's plan, for polish
   c3::Start start_;
   StepResult result_;
 };

@@ -64,6 +64,7 @@ void Planner::compose(const Input& input, const c3::Deadline& deadline) {
   situation.parallel = parallel_;
 
   const Decision& decision = strategy_->decide(situation, c3_);
+  if (!decision.plans_with_c3) c3_.forget_plan();
   if (decision.body_lost) ++counters_.body_lost;
   plan_.mode = decision.mode;
   plan_.phase = name(decision.mode, decision.phase);

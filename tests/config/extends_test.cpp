@@ -144,8 +144,8 @@ TEST_CASE("extends: --set replaces one key of the whole, whichever file it is fr
         (void)planner.section("c3").number("rho", {0, 10});
       }),
       EndsWith("own.yaml with --set: planner.c3.rho: expected a number in [0, 10], got \"99\""));
-  CHECK_THAT(error_of([&] { (void)Document::load(file, {"planner.rate=80"}); }),
-             Contains("--set planner.rate: no such key in " + file));
+  CHECK_THAT(error_of([&] { (void)Document::load(file, {"plan.rate=80"}); }),
+             Contains("--set plan.rate: no such key in " + file));
   CHECK_THAT(error_of([&] { (void)Document::load(file, {"extends=base"}); }),
              Contains("no such key"));
 }

@@ -111,14 +111,28 @@ TEST_CASE("section: an error in a list names the line of the value, not of the l
              Contains("l.yaml:6: b: ") && Contains("at place 2"));
 }
 
-TEST_CASE("section: an override replaces one existing key and no other") {
+TEST_CASE("section: an override replaces one key of a mapping that is there, or adds it") {
   REQUIRE(planner({"planner.rate_hz=80"}).number("rate_hz", {0, 100}) == 80.0);
   REQUIRE(
       planner({"planner.balls.1.mass_kg=0.3"}).list("balls", 2, 2)[1].number("mass_kg", {0, 1}) ==
       0.3);
   REQUIRE(planner({"planner.gains=[3, 2, 1]"}).numbers("gains", 3, {0, 10})[0] == 3.0);
-  CHECK_THAT(error_of([] { (void)planner({"planner.rate=80"}); }),
-             Contains("--set planner.rate: no such key"));
+  REQUIRE(planner({"planner.mass_kg=0.3"}).number("mass_kg", {0, 1}) == 0.3);
+  REQUIRE(
+      planner({"planner.balls.1.radius_m=0.3"}).list("balls", 2, 2)[1].number("radius_m", {0, 1}) ==
+      0.3);
+  // one that nobody reads is refused as if it stood in the file
+  CHECK_THAT(error_of([] {
+               Section root = Document::parse("c3: {rho: 1}", "a.yaml", {"c3.polis=8"});
+               (void)root.section("c3").number("rho", {0, 10});
+               root.finish();
+             }),
+             Equals("a.yaml with --set: c3.polis: unknown key"));
+  CHECK_THAT(error_of([] { (void)planner({"robot.rate=80"}); }),
+             Contains("--set robot.rate: no such key in a.yaml"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.gains.3=1"}); }), Contains("no such key"));
+  CHECK_THAT(error_of([] { (void)planner({"planner.rate_hz.low=1"}); }), Contains("no such key"));
+  CHECK(Document::parse(kText, "a.yaml", {"seed=1"}).number("seed", {0, 1}) == 1.0);
   CHECK_THAT(error_of([] { (void)planner({"planner.balls.7.mass_kg=1"}); }),
              Contains("no such key"));
   for (const std::string path :
