@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include <catch2/catch.hpp>
-#include <unistd.h>
 
 #include "controller/rt/periodic_clock.hpp"
 #include "controller/task/circle.hpp"
 #include "tests/cli/eventually.hpp"
 #include "tests/idl/samples.hpp"
+#include "tests/support/own_domain.hpp"
 
 using namespace c3rt;
 using namespace c3rt::cli;
@@ -19,7 +19,7 @@ using wire::test::plain;
 
 wire::BusSettings settings(std::uint64_t session) {
   wire::BusSettings bus;
-  bus.domain = 1 + static_cast<std::uint32_t>(getpid()) % 100;
+  bus.domain = support::kOwnDomain;
   bus.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
   bus.session_id = session;
   return bus;

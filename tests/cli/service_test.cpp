@@ -182,7 +182,9 @@ TEST_CASE("service: a process that is left out is a client's, before or after th
     CHECK(service.c3rt("down" + service.on_domain()).status == 0);
     CHECK(service.empty());
 
-    REQUIRE(service.c3rt(up).status == 0);  // it is there already
+    const Outcome before = service.c3rt(up);
+    INFO(before.output);
+    REQUIRE(before.status == 0);  // it is there already
     CHECK(status().status == 0);
     CHECK(service.c3rt("down" + service.on_domain()).status == 0);
     const Outcome busy = service.c3rt("up circle_slow" + service.start_options());
@@ -254,6 +256,7 @@ TEST_CASE("service: a DDS profile that is wrong is one line and status 2, and no
       const Outcome outcome = place.c3rt(
           verb + " --dds '" + file + "'" +
           (verb.find("circle") != std::string::npos ? place.start_options() : place.on_domain()));
+      INFO(outcome.output);
       CHECK(outcome.status == 2);
       const std::size_t error = outcome.output.find("c3rt: error: DDS profile " + file);
       REQUIRE(error != std::string::npos);

@@ -9,14 +9,14 @@
 
 #include "controller/rt/periodic_clock.hpp"
 #include "idl/dds.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace c3rt::wire::test {
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kSecond = 1000 * kMs;
 
-// taken before any fork: a child is in the domain of its parent
-inline const std::uint32_t kDomain = 1 + static_cast<std::uint32_t>(getpid()) % 100;
+inline const std::uint32_t kDomain = support::kOwnDomain;
 
 inline BusSettings settings(ClockMode clock = ClockMode::kRealtime, std::uint64_t session_id = 0) {
   BusSettings result;

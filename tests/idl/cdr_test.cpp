@@ -8,10 +8,10 @@
 #include <catch2/catch.hpp>
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
-#include <unistd.h>
 
 #include "idl/dds.hpp"
 #include "tests/idl/samples.hpp"
+#include "tests/support/own_domain.hpp"
 
 using namespace c3rt;
 using namespace c3rt::wire;
@@ -49,7 +49,7 @@ Bytes sent_by_cyclone(const Bus& bus, const T& sample) {
 
 TEST_CASE("CDR: the bytes of every topic are those that Cyclone sends") {
   BusSettings settings;
-  settings.domain = 1 + static_cast<std::uint32_t>(getpid()) % 100;
+  settings.domain = support::kOwnDomain;
   settings.profile_uri = C3RT_SOURCE_DIRECTORY "/config/dds/loopback.xml";
   settings.session_id = 7;
   const Bus bus(settings);

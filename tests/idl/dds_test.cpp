@@ -846,7 +846,8 @@ TEST_CASE("Bus: of clients that have come and gone nothing is kept") {
   };
   REQUIRE(clients.wait() == 0);
   constexpr std::uint32_t kGone = DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
-  REQUIRE(eventually([&] { return instances(kGone) >= 2 * kClients; }));
+  // of each its participant and its reader, but one that goes at once may be heard of in part only
+  REQUIRE(eventually([&] { return instances(kGone) >= kClients; }));
   CHECK(bus.problems().empty());
   CHECK(instances(kGone) == 0);
   CHECK(instances(DDS_ALIVE_INSTANCE_STATE) > 0);

@@ -17,6 +17,7 @@
 #include "controller/rt/periodic_clock.hpp"
 #include "plant_emulator/plant.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/own_domain.hpp"
 
 using namespace c3rt;
 using namespace c3rt::plant;
@@ -28,7 +29,7 @@ const std::string kScenario =
 const std::string kProfile = std::string(C3RT_SOURCE_DIRECTORY) + "/config/dds/loopback.xml";
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+std::uint32_t test_domain() { return support::kOwnDomain; }
 
 struct Child : test::ChildProcess {
   explicit Child(const std::string& scenario, const std::vector<std::string>& more = {})

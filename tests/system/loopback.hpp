@@ -2,13 +2,12 @@
 // The bus of a test: a domain of its own, as tests run beside each other.
 #include <cstdint>
 
-#include <unistd.h>
-
 #include "idl/dds.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace c3rt::test {
 
-inline std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+inline std::uint32_t test_domain() { return support::kOwnDomain; }
 
 inline wire::BusSettings loopback_settings() {
   wire::BusSettings bus;

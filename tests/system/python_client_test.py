@@ -22,8 +22,11 @@ from c3rt.client import Client, Estimate, Estimator, Refused, Thresholds  # noqa
 from c3rt.v2 import RobotState  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+from own_domain import take_domain  # noqa: E402
+
 PROGRAM = os.environ["C3RT_PROGRAM"]
-DOMAIN = 100 + os.getpid() % 100
+DOMAIN = take_domain()
 PATIENCE = 120  # of a busy machine
 
 

@@ -4,6 +4,7 @@ goal. Run by pytest.
 C3RT_PROGRAM names c3rt, PYTHONPATH has the package. The hashes are those that PyPI's rosbags 0.10 computes of Humble and of Jazzy.
 """
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -27,9 +28,13 @@ from cyclonedds.util import duration  # noqa: E402
 
 from c3rt.ros import messages  # noqa: E402
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+from own_domain import take_domain  # noqa: E402
+
 PROGRAM = os.environ["C3RT_PROGRAM"]
-DOMAIN = 20 + os.getpid() % 80
-ROS_DOMAIN = 120 + os.getpid() % 80
+DOMAIN = take_domain()
+ROS_DOMAIN = take_domain()
 PATIENCE = 120  # of a busy machine
 HASHES = {
     messages.String: "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",

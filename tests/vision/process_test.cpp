@@ -17,6 +17,7 @@
 
 #include "controller/rt/periodic_clock.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/own_domain.hpp"
 
 using namespace c3rt;
 
@@ -58,7 +59,7 @@ std::string camera_scenario(
   return path;
 }
 
-std::uint32_t test_domain() { return 100 + static_cast<std::uint32_t>(getpid()) % 100; }
+std::uint32_t test_domain() { return support::kOwnDomain; }
 
 struct Child : test::ChildProcess {
   Child(const std::string& scenario, const std::string& clock, std::vector<std::string> more = {})
