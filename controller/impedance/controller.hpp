@@ -64,6 +64,8 @@ constexpr int kPatience = 20;
 /// that bears such delays, until it is well again. 19 lost commands alone do not make it late. Of
 /// an arm with a joint faster than kSwinging of its limit, which no plan asks for, less is too
 /// late: it may swing, and a light wrist then goes from 0.1 of its limit to all of it in 90 ms.
+/// States that come one after the other, each older than kPatience, brake it, too: up to
+/// `state_timeout` the damping bears them, and an arm that is left to coast goes far in that time.
 constexpr double kLateLoop = 3.5, kLoopIsWell = 2.5, kLoopMemory = 100.0;
 constexpr double kLateSwinging = 1.5, kSwinging = 0.35;
 
@@ -173,9 +175,12 @@ class Controller {
   std::int64_t previous_now_ns_ = 0;
   bool new_state_ = false;  // of this cycle or the one before
   bool old_state_ = false;  // older than the law may act on
-  double loop_age_ = 1.0;   // average [cycles]
-  bool late_ = false;       // the loop
-  bool away_ = false;       // cycles or states were missing: the reference begins anew
+  std::int64_t seen_state_ns_ = 0;
+  int same_state_cycles_ = 0;  // in a row
+  bool states_come_ = false;   // one after the other, whatever their age
+  double loop_age_ = 1.0;      // average [cycles]
+  bool late_ = false;          // the loop
+  bool away_ = false;          // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
   Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();

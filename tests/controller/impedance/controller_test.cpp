@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Core>
 #include <catch2/catch.hpp>
@@ -99,9 +100,13 @@ struct Loop {
     q = at(0).q;
   }
   Output step(Input input) {
-    input.q = q;
-    input.dq = dq;
-    if (delay >= 0) input.answered_ns = input.now_ns - (delay + 1) * kMs;
+    states_on_their_way.emplace_back(q, dq);
+    while (static_cast<int>(states_on_their_way.size()) > state_delay + 1)
+      states_on_their_way.pop_front();
+    input.q = states_on_their_way.front().first;
+    input.dq = states_on_their_way.front().second;
+    input.state_stamp_ns -= state_delay * kMs;
+    if (delay >= 0) input.answered_ns = input.state_stamp_ns - (delay + 1) * kMs;
     const Output output = controller.step(input);
     on_their_way.push_back(output.tau);
     while (static_cast<int>(on_their_way.size()) > std::max(delay, 0) + 1) on_their_way.pop_front();
@@ -118,8 +123,10 @@ struct Loop {
   model::Arm plant;
   ArmState state;
   Vector7d q, dq = Vector7d::Zero(), external = Vector7d::Zero();
-  int delay = -1;  // of torques [cycles]; negative: none, and the robot does not tell
+  int delay = -1;       // of torques [cycles]; negative: none, and the robot does not tell
+  int state_delay = 0;  // [cycles]
   std::deque<Vector7d> on_their_way;
+  std::deque<std::pair<Vector7d, Vector7d>> states_on_their_way;
 };
 
 TEST_CASE("mode: every mode and every health has the successor that the rules say") {
@@ -589,6 +596,36 @@ TEST_CASE(
   loop.delay = 0;
   run(1000);
   CHECK(fastest < 0.5);
+  const double angle = 2e-9 * M_PI * 0.5 * static_cast<double>(now);
+  CHECK((loop.state.X_WE.translation() - kStart - Vector3d(0.04 * std::sin(angle), 0, 0)).norm() <
+        0.015);
+}
+
+TEST_CASE("controller: an arm whose states come late is braked, however late up to their timeout") {
+  const int delay = GENERATE(4, 15, 19, 21, 24, 40, 70, 95);
+  CAPTURE(delay);
+  const Parameters p = parameters();
+  REQUIRE(delay * 1e-3 < p.limits.state_timeout);
+  Loop loop(p);
+  loop.delay = 0;
+  std::int64_t now = 0;
+  const auto run = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      now += kMs;
+      const double angle = 2e-9 * M_PI * 0.5 * static_cast<double>(now);
+      loop.step(with_plan(now, kStart + Vector3d(0.04 * std::sin(angle), 0, 0)));
+    }
+  };
+  run(2000);
+  const Vector3d there = loop.state.X_WE.translation();
+  REQUIRE(loop.dq.norm() > 0.1);
+  loop.state_delay = delay;
+  run(2000);
+  CHECK(loop.dq.cwiseAbs().maxCoeff() < 0.02);
+  // it coasts for as long as nobody knows better, and for as long as damping takes
+  CHECK((loop.state.X_WE.translation() - there).norm() < 0.06);
+  loop.state_delay = 0;
+  run(1000);
   const double angle = 2e-9 * M_PI * 0.5 * static_cast<double>(now);
   CHECK((loop.state.X_WE.translation() - kStart - Vector3d(0.04 * std::sin(angle), 0, 0)).norm() <
         0.015);
