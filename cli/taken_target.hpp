@@ -1,5 +1,6 @@
 #pragma once
 // Which of the targets that clients asked for the planner took last.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,10 +32,7 @@ class TakenTarget {
   static constexpr std::size_t kRemembered = 16;  // as many as either topic keeps for who is late
 
   bool taken(std::uint64_t request_id) const {
-    for (const std::uint64_t each : taken_) {
-      if (each == request_id) return true;
-    }
-    return false;
+    return std::find(taken_.begin(), taken_.end(), request_id) != taken_.end();
   }
 
   std::optional<wire::TaskTarget> target_;
