@@ -16,21 +16,21 @@ c3::Settings solver_settings(const Experiment& experiment) {
 
 C3Controller::C3Controller(const Experiment& experiment)
     : policy_(experiment.start),
-      stages_per_period_(
-          static_cast<int>(std::lround(experiment.control_period / experiment.planning_step))),
       reset_period_(experiment.start_reset_period),
       sizes_(sizes(experiment)),
       rho_(experiment.c3.rho),
       solver_(sizes_, solver_settings(experiment)),
       x_desired_(experiment.x_desired.replicate(1, sizes_.N + 1)),
-      u_(sizes_.n_u, sizes_.N) {
+      u_(sizes_.n_u, sizes_.N),
+      known_(experiment.control_period, experiment.planning_step, sizes_.N) {
   solver_.set_costs(experiment.costs, experiment.constraints);
   start_.delta.setZero(solver_.n_copy(), sizes_.N);
   start_.w.setZero(solver_.n_copy(), sizes_.N);
 }
 
 void C3Controller::reset() {
-  has_start_ = has_plan_ = false;
+  has_start_ = false;
+  known_.forget();
   period_ = 0;
 }
 
@@ -46,20 +46,12 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
     start_.delta.topRows(sizes_.n_x).colwise() = x;
   }
   const bool started = has_start_ && policy_ != StartPolicy::kFresh;
-  // of a plan less than half of which is left polish makes little of worth
-  const bool is_known = has_plan_ && 2 * stages_per_period_ <= sizes_.N;
-  if (is_known) {
-    start_.u = known_.u;
-    start_.modes = known_.modes;
-  } else {
-    start_.u.resize(0, 0);
-    start_.modes.resize(0, 0);
-  }
-  const c3::Start* start = started ? &start_ : nullptr;
-  if (start == nullptr && is_known) start = &known_;
+  c3::KnownPlan::put(known_.start(), start_);
+  const c3::Start* start = started ? &start_ : known_.start();
   solution_ = &solver_.solve(lcs, x, x_desired_, {}, start);
+  known_.keep(*solution_);
   if (solution_->status == c3::SolveStatus::kFailed) {
-    has_start_ = has_plan_ = false;
+    has_start_ = false;
     return nullptr;
   }
   if (policy_ == StartPolicy::kCarriedForces) {
@@ -68,8 +60,7 @@ const Eigen::MatrixXd* C3Controller::decide(const lcs::Lcs& lcs, const Eigen::Ve
   } else if (policy_ == StartPolicy::kShifted) {
     shift(*solution_, rho_, start_);
   }
-  has_start_ = has_plan_ = true;
-  shift_plan(*solution_, stages_per_period_, known_);
+  has_start_ = true;
   u_ = solution_->z.middleRows(sizes_.n_x + sizes_.n_lambda, sizes_.n_u);
   return &u_;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "controller/c3/known_plan.hpp"
 #include "controller/example/experiment.hpp"
 
 namespace c3rt::example {
@@ -35,15 +36,15 @@ class C3Controller final : public Controller {
 
  private:
   StartPolicy policy_;
-  int stages_per_period_;  // that a plan is older at the next decision
   double reset_period_;
   c3::Sizes sizes_;
   double rho_;
   c3::Solver solver_;
   Eigen::MatrixXd x_desired_, u_;
-  c3::Start start_, known_;  // known_: of the last plan alone, as old as it is at the next decision
+  c3::KnownPlan known_;
+  c3::Start start_;
   long period_ = 0;
-  bool has_start_ = false, has_plan_ = false;
+  bool has_start_ = false;
   const c3::Solution* solution_ = nullptr;
 };
 

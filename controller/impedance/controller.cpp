@@ -148,8 +148,9 @@ Output Controller::step(const Input& input) noexcept {
     const bool finite = fault_ != StateFault::kNotFinite;
     const bool state_usable = finite && !old_state_;
     Vector7d wanted = Vector7d::Zero();
-    // damping bears states that are too old for the law, as long as they change
-    if (finite && (!old_state_ || states_come_) && late_ && mode_ != Mode::kStop) {
+    // damping bears states that are too old for the law, as long as they come one after the other
+    const bool states_come = same_state_cycles_ <= kNew;
+    if (finite && (!old_state_ || states_come) && late_ && mode_ != Mode::kStop) {
       arm_.update(input.q, input.dq, state_);
       rest_here();
       brakes_ = catches_up_ = true;
@@ -214,7 +215,6 @@ void Controller::change_mode(const Input& input) noexcept {
   old_state_ = seconds_between(input.state_stamp_ns, input.now_ns) > longest;
   same_state_cycles_ = input.state_stamp_ns == seen_state_ns_ ? same_state_cycles_ + 1 : 0;
   seen_state_ns_ = input.state_stamp_ns;
-  states_come_ = same_state_cycles_ <= kNew;
   const double pause = seconds_between(previous_now_ns_, input.now_ns);
   away_ = away_ || old_state_ || (previous_now_ns_ != 0 && pause > longest);
   previous_now_ns_ = input.now_ns;

@@ -177,7 +177,6 @@ class Controller {
   bool old_state_ = false;  // older than the law may act on
   std::int64_t seen_state_ns_ = 0;
   int same_state_cycles_ = 0;  // in a row
-  bool states_come_ = false;   // one after the other, whatever their age
   double loop_age_ = 1.0;      // average [cycles]
   bool late_ = false;          // the loop
   bool away_ = false;          // cycles or states were missing: the reference begins anew

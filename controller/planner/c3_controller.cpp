@@ -48,8 +48,7 @@ C3Controller::C3Controller(const Parameters& parameters,
       x_desired_(Eigen::MatrixXd::Zero(n_x(), parameters.N + 1)),
       x_hat_(n_x()),
       x_next_(n_x()),
-      polishes_(parameters.c3.polish > 0),
-      stages_per_period_(static_cast<int>(std::lround(1.0 / (parameters.rate * parameters.dt)))) {
+      known_(1.0 / parameters.rate, parameters.dt, parameters.N) {
   result_.lambda_d = Eigen::VectorXd::Zero(lemke_.size());
   result_.input_scale = force_unit_;
 }
@@ -81,20 +80,14 @@ bool C3Controller::begins_free(int contact, double phi) const {
 }
 
 const c3::Start* C3Controller::start(const Eigen::VectorXd& phi, bool goes_on) {
-  goes_on = goes_on && has_known_;
+  const c3::Start* known = goes_on ? known_.start() : nullptr;
   bool begins_with_gaps = false;
   if (solver_.n_copy() > n_x() + n_lambda() + n_u()) {
     for (int i = 0; i < static_cast<int>(phi.size()); ++i)
       begins_with_gaps = begins_with_gaps || begins_free(i, phi[i]);
   }
-  if (!begins_with_gaps) return goes_on ? &known_ : nullptr;
-  if (goes_on) {
-    start_.u = known_.u;
-    start_.modes = known_.modes;
-  } else {
-    start_.u.resize(0, 0);
-    start_.modes.resize(0, 0);
-  }
+  if (!begins_with_gaps) return known;
+  c3::KnownPlan::put(known, start_);
   const model::LambdaLayout lambda = problem_.lambda();
   const Eigen::Index N = x_desired_.cols() - 1;
   start_.w.setZero(solver_.n_copy(), N);
@@ -142,11 +135,11 @@ StepStatus C3Controller::plan(const scene::Scene& x_hat, int costs, const c3::De
 StepStatus C3Controller::step(const scene::Scene& x_hat, int costs, double delta_t_c,
                               const c3::Deadline& deadline) {
   const StepStatus planned = plan(x_hat, costs, deadline, true);
-  // of a plan less than half of which is left polish makes little of worth
-  has_known_ = polishes_ && planned != StepStatus::kFailed &&
-               2 * stages_per_period_ < static_cast<int>(x_desired_.cols());
-  if (planned == StepStatus::kFailed) return planned;
-  if (has_known_) c3::shift_plan(*result_.solution, stages_per_period_, known_);
+  if (planned == StepStatus::kFailed) {
+    known_.forget();
+    return planned;
+  }
+  known_.keep(*result_.solution);
   // step 5: (x_d, λ_d) = L_Δt_c(x̂, u_C3)
   const model::ContactSystem all = model_->contact_system(x_hat, all_contacts_);
   const lcs::Lcs stepping = model::stewart_trinkle(all, delta_t_c);

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "controller/c3/solver.hpp"
+#include "controller/c3/known_plan.hpp"
 #include "controller/lcs/lemke.hpp"
 #include "controller/planner/parameters.hpp"
 #include "controller/planner/weights.hpp"
@@ -76,7 +76,7 @@ class C3Controller {
                   const c3::Deadline& deadline);
 
   /// The next step follows no other.
-  void forget_plan() noexcept { has_known_ = false; }
+  void forget_plan() noexcept { known_.forget(); }
 
   const StepResult& result() const noexcept { return result_; }
   // of the last plan
@@ -107,9 +107,7 @@ class C3Controller {
   Eigen::MatrixXd x_desired_;
   Eigen::VectorXd x_hat_, x_next_;
   double free_beyond_ = std::numeric_limits<double>::infinity();
-  bool polishes_, has_known_ = false;
-  int stages_per_period_;
-  c3::Start known_;  // the last step's plan, for polish
+  c3::KnownPlan known_;  // the last step's
   c3::Start start_;
   StepResult result_;
 };
