@@ -81,12 +81,29 @@ function(c3rt_export_headers room)
     set(headers ${arg_HEADERS})
     list(TRANSFORM headers PREPEND controller/${room}/)
     include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")" COMPONENT library)
+  list(TRANSFORM arg_HEADERS PREPEND controller/${room}/)
+  set_property(GLOBAL APPEND PROPERTY c3rt_public_headers ${arg_HEADERS})
+endfunction()
+
+# A public header may include only public headers: a room's new header that is missing from the list ends the configuring.
+function(c3rt_check_public_headers)
+  get_property(public GLOBAL PROPERTY c3rt_public_headers)
+  foreach(header ${public})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"controller/")
+    foreach(include ${includes})
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${include}")
+      if(NOT included IN_LIST public)
+        message(FATAL_ERROR "${header} is a header of the package and includes ${included}, which is not: name it in cmake/package.cmake")
+      endif()
+    endforeach()
+  endforeach()
 endfunction()
 
 c3rt_export(lcs HEADERS acceptance.hpp dictionary.hpp double_double.hpp lcs.hpp lemke.hpp riccati.hpp simulate.hpp step.hpp)
 c3rt_export(qp HEADERS kernels.hpp node_qp.hpp problem.hpp qp.hpp qp_cost.hpp qp_rows.hpp riccati.hpp
   DEPS lcs ARCHIVES ${C3RT_THIRD_PARTY}/lib/libosqp.a)
-c3rt_export(c3 HEADERS consensus.hpp deadline.hpp fixed_modes.hpp parallel.hpp polish.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
+c3rt_export(c3 HEADERS consensus.hpp deadline.hpp fixed_modes.hpp known_plan.hpp parallel.hpp polish.hpp problem.hpp projection.hpp projection/registry.hpp solver.hpp
   DEPS qp lcs)
 c3rt_export(horizon HEADERS condensed.hpp feedback.hpp modes.hpp problem.hpp search.hpp DEPS c3 qp lcs)
 c3rt_export(scene HEADERS distance.hpp mechanism.hpp object.hpp scene.hpp shape.hpp)
@@ -95,6 +112,7 @@ c3rt_export(model HEADERS ball_model.hpp balls_model.hpp between.hpp block_error
   DEPS lcs
   scene)
 c3rt_export(example HEADERS closed_loop.hpp controller.hpp experiment.hpp DEPS c3 model lcs)
+c3rt_check_public_headers()
 
 # the client: its room and all that it stands on, in one archive. No header of it names Eigen
 set(objects "")
