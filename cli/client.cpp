@@ -12,6 +12,7 @@
 #include "cli/paths.hpp"
 #include "cli/run.hpp"
 #include "config/scenario.hpp"
+#include "controller/planner/adjustable_weights.hpp"
 #include "controller/planner/target.hpp"
 #include "idl/client/client.hpp"
 #include "idl/convert.hpp"
@@ -24,6 +25,7 @@ constexpr double kReply = 10.0;    // until a process must have answered [s]
 constexpr double kPresence = 0.5;  // in which a process that runs tells its status [s]
 
 wire::Process asked(const wire::TaskTarget&) { return c3rt_v2_PROCESS_PLANNER; }
+wire::Process asked(const wire::PlannerWeights&) { return c3rt_v2_PROCESS_PLANNER; }
 wire::Process asked(const wire::RobotOrder&) { return c3rt_v2_PROCESS_PLANT; }
 template <typename T>
 wire::Process asked(const T& sample) {
@@ -145,6 +147,38 @@ int set_target(const Seat& seat, const task::Request& request) {
     return ask(seat, std::vector{wire::task_target(request)});
   } catch (const task::RequestError& error) {
     throw UsageError(std::string("target: ") + error.what());
+  }
+}
+
+int list_weights(const Seat& seat) {
+  const auto scenario = running_scenario(seat);
+  if (!scenario)
+    throw UsageError(fmt::format(
+        "weights: expected an instance of this user on domain {}, got none", seat.domain));
+  const std::vector<planner::AdjustableWeight> all = planner::adjustable_weights(scenario->planner);
+  if (all.empty()) {
+    fmt::print(
+        "{} allows no other weights than its own; with --set planner.weights.adjustable_by=100 "
+        "it does\n",
+        scenario->name);
+    return kCriterionFailed;
+  }
+  fmt::print("{:<32} {:>12} {:>12} {:>12}\n", "weight", "scenario's", "least", "most");
+  for (const planner::AdjustableWeight& weight : all)
+    fmt::print("{:<32} {:>12.6g} {:>12.6g} {:>12.6g}\n", weight.name, weight.value, weight.min,
+               weight.max);
+  return kDone;
+}
+
+int set_weights(const Seat& seat, const std::map<std::string, double>& weights) {
+  const auto scenario = running_scenario(seat);
+  const std::string refused =
+      scenario ? planner::refusal(weights, planner::adjustable_weights(scenario->planner)) : "";
+  if (!refused.empty()) throw UsageError("weights: " + refused);
+  try {
+    return ask(seat, std::vector{wire::planner_weights(weights)});
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // A person's seat on the bus of a running instance: ask, tell, look.
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,5 +43,14 @@ int order(const Seat& seat, const wire::RobotOrder& order);
 /// Asks the planner for a new target, and for its answer. @return an exit status: 1 if it refuses
 /// @throws UsageError for what no planner knows, or the scenario that runs cannot reach
 int set_target(const Seat& seat, const task::Request& request);
+
+/// The weights of the instance that runs and how far they may be changed, as a table. @return an
+/// exit status: 1 if its scenario allows none
+/// @throws UsageError where none of this user runs on the domain
+int list_weights(const Seat& seat);
+/// Asks the planner for other weights, and for its answer; none: the scenario's. @return an exit
+/// status: 1 if it refuses
+/// @throws UsageError for what the scenario that runs does not allow
+int set_weights(const Seat& seat, const std::map<std::string, double>& weights);
 
 }  // namespace c3rt::cli

@@ -106,6 +106,7 @@ class CommandLine {
     add_faults();
     add_robot();
     add_targets();
+    add_weights();
     add_tools();
     add_recordings();
     add_view();
@@ -533,6 +534,35 @@ class CommandLine {
         ->check(cli::one_of(task::kinds()));
     any->add_option("parameters", parameters_, "KEY=VALUE of each parameter, as in section task");
     add_seat(*any, seat_);
+  }
+
+  void add_weights() {
+    CLI::App& parent = *group(app_, "weights", "Other weights of Algorithm 1, while it runs");
+    parent.require_subcommand(1);
+    CLI::App* list = command(parent, "list", "Those that may be changed, and how far",
+                             [this] { return cli::list_weights(seat_); });
+    CLI::App* set = command(parent, "set", "Gives the planner some others", [this] {
+      std::map<std::string, double> weights;
+      for (const std::string& text : parameters_) {
+        const auto [name, value] = weight(text);
+        weights[name] = value;
+      }
+      return cli::set_weights(seat_, weights);
+    });
+    set->add_option("weights", parameters_, "NAME=VALUE of each, by the names of c3rt weights list")
+        ->required();
+    CLI::App* own = command(parent, "scenario", "Back to the scenario's own",
+                            [this] { return cli::set_weights(seat_, {}); });
+    for (CLI::App* added : {list, set, own}) add_seat(*added, seat_);
+  }
+  static std::pair<std::string, double> weight(const std::string& text) {
+    try {
+      const task::Parameter read = task::parse_parameter(text);
+      if (read.values.size() == 1 && read.word.empty()) return {read.name, read.values.front()};
+    } catch (const task::RequestError&) {
+      // told below
+    }
+    throw cli::UsageError("weights: expected NAME=VALUE with a number, got \"" + text + "\"");
   }
 
   void add_tools() {

@@ -13,6 +13,7 @@
 #include "cli/paths.hpp"
 #include "cli/program.hpp"
 #include "config/scenario.hpp"
+#include "controller/planner/adjustable_weights.hpp"
 
 namespace c3rt::cli {
 namespace {
@@ -96,7 +97,8 @@ ordered_json shown_scene(const Seat& seat, const ShownScenario& shown) {
     seed = instance->seed;
   }
   const config::Scenario scenario = config::load_scenario(file, overrides);
-  ordered_json objects = ordered_json::array(), cameras = ordered_json::array();
+  ordered_json objects = ordered_json::array(), cameras = ordered_json::array(),
+               weights = ordered_json::array();
   for (const plant::ObjectParameters& object : scenario.plant.world.objects)
     objects.push_back({{"name", object.object.name}, {"shape", json_of(object.object.shape())}});
   if (scenario.vision.source == vision::SourceKind::kCameras) {
@@ -105,7 +107,12 @@ ordered_json shown_scene(const Seat& seat, const ShownScenario& shown) {
           {{"name", camera.name}, {"width_px", camera.width}, {"height_px", camera.height}});
     }
   }
+  for (const planner::AdjustableWeight& weight : planner::adjustable_weights(scenario.planner)) {
+    weights.push_back(
+        {{"name", weight.name}, {"value", weight.value}, {"min", weight.min}, {"max", weight.max}});
+  }
   return {{"scenario", scenario.name},
+          {"weights", weights},
           {"file", file},
           {"overrides", overrides},
           {"seed", seed},

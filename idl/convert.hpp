@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 #include <type_traits>
 
@@ -122,6 +125,28 @@ inline TaskTarget task_target(const task::Request& request) {
     out.value_count =
         most(parameter.values.size(), c3rt_v2_MAX_TARGET_VALUES, "numbers of " + parameter.name);
     std::copy(parameter.values.begin(), parameter.values.end(), out.values);
+  }
+  return sample;
+}
+
+/// A client's weights by their names, of a sample that was let in.
+inline std::map<std::string, double> weights(const PlannerWeights& sample) {
+  std::map<std::string, double> weights;
+  for (int i = 0; i < sample.weight_count; ++i)
+    weights[sample.weights[i].name] = sample.weights[i].value;
+  return weights;
+}
+
+/// The same the other way. @throws std::invalid_argument where the wire has no room for them
+inline PlannerWeights planner_weights(const std::map<std::string, double>& weights) {
+  PlannerWeights sample{};
+  if (weights.size() > c3rt_v2_MAX_WEIGHTS)
+    throw std::invalid_argument("weights: expected at most " + std::to_string(c3rt_v2_MAX_WEIGHTS) +
+                                ", got " + std::to_string(weights.size()));
+  for (const auto& [name, value] : weights) {
+    c3rt_v2_Weight& out = sample.weights[sample.weight_count++];
+    set_text(out.name, name);
+    out.value = value;
   }
   return sample;
 }

@@ -36,6 +36,7 @@ class Replies {
 
  private:
   static bool is_for(Process, const TaskTarget&) { return true; }  // only the planner reads them
+  static bool is_for(Process, const PlannerWeights&) { return true; }
   static bool is_for(Process, const RobotOrder&) { return true; }  // only the plant does
   template <typename T>
   static bool is_for(Process process, const T& sample) {

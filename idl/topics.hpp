@@ -94,7 +94,8 @@ struct Topic {
   TOPIC(ServiceRequest,  "service/request",  kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */         \
   TOPIC(ServiceReply,    "service/reply",    kEvent,  kAll,       kClients,                     0.0,      kNone)      /* on demand */         \
   TOPIC(FaultInject,     "fault/inject",     kEvent,  kClients,   kAll,                         0.0,      kAnswered)  /* on demand */         \
-  TOPIC(RobotOrder,      "robot/order",      kEvent,  kClients,   kPlant | kClients,            0.0,      kAnswered)  /* on demand */
+  TOPIC(RobotOrder,      "robot/order",      kEvent,  kClients,   kPlant | kClients,            0.0,      kAnswered)  /* on demand */         \
+  TOPIC(PlannerWeights,  "planner/weights",  kEvent,  kClients,   kPlanner | kClients,          0.0,      kAnswered)  /* on demand */
 // clang-format on
 
 #define C3RT_TOPIC(Type, ...) using Type = c3rt_v2_##Type;

@@ -35,6 +35,7 @@ constexpr int kCameras = 64;
 constexpr double kLongestPlan_s = 10.0;  // a plan is an answer to what was just seen
 constexpr double kLongest_s = 3600.0;    // of a fault, a target's lead time
 constexpr double kTargetValue = 1e6;     // of any unit
+constexpr double kLargestWeight = 1e12;  // of Algorithm 1
 // what a person may order of the robot
 constexpr double kLeastThreshold = 0.1, kMostThreshold = 1e3;  // of a collision [N m, N]
 constexpr double kHardestPush_n = 200.0;                       // of a hand
@@ -439,6 +440,13 @@ void check_ranges(const TaskTarget& s, Check& check) noexcept {
     check.within("parameters.value_count", parameter.value_count, 0, c3rt_v2_MAX_TARGET_VALUES, i)
         .size("parameters.values", parameter.values, kTargetValue);
   }
+}
+
+void check_ranges(const PlannerWeights& s, Check& check) noexcept {
+  check.within("weight_count", s.weight_count, 0, c3rt_v2_MAX_WEIGHTS);
+  const int weights = check.finding() ? 0 : static_cast<int>(s.weight_count);
+  for (int i = 0; i < weights; ++i)
+    check.within("weights.value", s.weights[i].value, 0.0, kLargestWeight, i);
 }
 
 void check_ranges(const Scene& s, Check& check) noexcept {

@@ -13,7 +13,9 @@ namespace c3rt::cli::replay {
 /// What a client asked for.
 struct Asked {
   std::int64_t place_ns = 0;  // of what stands before it in the file
-  std::variant<wire::TaskTarget, wire::ServiceRequest, wire::FaultInject, wire::RobotOrder> sample;
+  std::variant<wire::TaskTarget, wire::ServiceRequest, wire::FaultInject, wire::RobotOrder,
+               wire::PlannerWeights>
+      sample;
 
   std::uint64_t request_id() const;
   wire::Process process() const;  // that is asked

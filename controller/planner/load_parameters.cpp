@@ -330,6 +330,7 @@ void load_strategy(config::Section& section, Parameters& parameters) {
     }
     if (weights.given("push", sampling, why))
       parameters.sampling.weights = load_phase(weights, "push", parameters);
+    parameters.weights_adjustable_by = weights.number("adjustable_by", {1, 1e6}, 1.0);
   }
   if (section.given("heuristic", heuristic, "strategy time_heuristic"))
     parameters.heuristic = load_heuristic(section.section("heuristic"), parameters.model.bodies);

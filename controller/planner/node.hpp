@@ -47,6 +47,9 @@ class Node {
   const Output& step(std::int64_t now_ns, const Input& in);
   const Output& output() const noexcept { return output_; }  // of the last step
 
+  /// As Planner::set_weights.
+  void set_weights(const Parameters& parameters) { planner_.set_weights(parameters); }
+
   const Planner& planner() const noexcept { return planner_; }
 
  private:

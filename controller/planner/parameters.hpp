@@ -136,6 +136,8 @@ struct Parameters {
   std::string strategy = "time_heuristic";  // of strategy_kinds()
   c3::Settings c3;
   PhaseWeights roll, back;  // Phase I and Phase II
+  // a client may multiply and divide each weight by up to this while the planner runs; 1: none
+  double weights_adjustable_by = 1.0;
   HeuristicParameters heuristic;
   SamplingParameters sampling;
   ApproachParameters approach;

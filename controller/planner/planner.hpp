@@ -30,6 +30,11 @@ class Planner {
   /// @param deadline asked between steps of the solve; lockstep passes none
   const Plan& step(const Input& input, c3::Deadline deadline = {}) noexcept;
 
+  /// From the next period on Algorithm 1 weighs as these parameters do, which are else those that
+  /// the planner was made from. The strategy goes on where it is.
+  /// @throws std::invalid_argument if they cannot be used (named)
+  void set_weights(const Parameters& parameters) { strategy_->set_weights(parameters, c3_); }
+
   struct Counters {
     std::uint64_t fallbacks = 0, truncated = 0, lcp_failures = 0, speed_clamped = 0, body_lost = 0;
     std::uint64_t branch_nodes = 0;

@@ -16,6 +16,7 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
     : endpoint_(endpoint),
       parameters_(parameters),
       limits_(target_limits(parameters)),
+      adjustable_(adjustable_weights(parameters)),
       pool_(parameters.sampling.threads),
       node_(parameters, std::move(arm),
             {&rt::now_ns, bus.clock() == wire::ClockMode::kRealtime, solve_time},
@@ -24,6 +25,7 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
       commands_(bus),
       estimates_(bus),
       targets_(bus),
+      weighed_(bus),
       plans_(bus),
       debug_(bus),
       sent_(endpoint.status().counter("plans")),
@@ -38,6 +40,7 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
 void Service::step(std::int64_t now_ns) {
   take(now_ns);
   take_targets(now_ns);
+  take_weights(now_ns);
   serve_clients(now_ns);
   if (faults_.stalls(now_ns)) return;
 
@@ -97,6 +100,32 @@ std::string Service::take_target(const wire::TaskTarget& sample) {
   } catch (const task::RequestError& error) {
     return error.what();
   }
+}
+
+void Service::take_weights(std::int64_t now_ns) {
+  endpoint_.replies().answer_refused(weighed_, now_ns);
+  wire::PlannerWeights sample{};
+  while (weighed_.take(sample)) {
+    const NamedWeights wanted = wire::weights(sample);
+    const std::string refused = take_weights(wanted);
+    const std::string taken = wanted.empty() ? "the scenario's own" : describe(wanted);
+    const std::string said = refused.empty() ? taken : "refused: " + refused;
+    endpoint_.replies().answer(sample.request_id, refused.empty(), said, now_ns);
+    endpoint_.tell(!refused.empty(), "weights " + said);
+  }
+}
+
+std::string Service::take_weights(const NamedWeights& wanted) {
+  const std::string refused = refusal(wanted, adjustable_);
+  if (!refused.empty()) return refused;
+  NamedWeights together;
+  if (!wanted.empty()) {
+    together = wanted;
+    together.insert(weights_.begin(), weights_.end());  // where both name one, it is the wanted
+  }
+  node_.set_weights(with_weights(parameters_, together));
+  weights_ = together;
+  return "";
 }
 
 void Service::serve_clients(std::int64_t now_ns) {

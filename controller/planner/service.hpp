@@ -3,7 +3,9 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "controller/planner/adjustable_weights.hpp"
 #include "controller/planner/node.hpp"
 #include "controller/rt/worker_pool.hpp"
 #include "idl/endpoint.hpp"
@@ -26,18 +28,24 @@ class Service {
   void take_targets(std::int64_t now_ns);
   /// @return why it is not taken; empty where it is
   std::string take_target(const wire::TaskTarget& sample);
+  void take_weights(std::int64_t now_ns);
+  /// @return why they are not taken; empty where they are
+  std::string take_weights(const NamedWeights& wanted);
   void serve_clients(std::int64_t now_ns);
   void tell(double now);
 
   wire::Endpoint& endpoint_;
   const Parameters parameters_;
   const task::Limits limits_;
+  const std::vector<AdjustableWeight> adjustable_;
+  NamedWeights weights_;  // that a client has changed
   rt::WorkerPool pool_;
   Node node_;
   wire::Reader<wire::RobotState> states_;
   wire::Reader<wire::RobotCommand> commands_;
   wire::Reader<wire::ObjectEstimate> estimates_;
   wire::Reader<wire::TaskTarget> targets_;
+  wire::Reader<wire::PlannerWeights> weighed_;
   wire::Writer<wire::Plan> plans_;
   wire::Writer<wire::PlannerDebug> debug_;
   Node::Input in_;

@@ -149,6 +149,12 @@ Reply Client::target(const std::string& kind, const std::vector<Parameter>& para
       .front();
 }
 
+Reply Client::weights(const std::map<std::string, double>& weights, double seconds) {
+  return all(ask(std::vector{wire::planner_weights(weights)}, seconds), {c3rt_v2_PROCESS_PLANNER},
+             seconds)
+      .front();
+}
+
 std::vector<Reply> Client::stop(double seconds) { return request(c3rt_v2_REQUEST_STOP, seconds); }
 
 std::vector<Reply> Client::recover(double seconds) {

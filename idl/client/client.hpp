@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -110,6 +111,10 @@ class Client {
   /// @throws std::invalid_argument where a sample has no room for it
   Reply target(const std::string& kind, const std::vector<Parameter>& parameters = {},
                double seconds = kPatience_s);
+  /// Gives Algorithm 1 other weights, by their keys below planner.weights of a scenario that allows
+  /// it ("roll.Q.ball_xy"); none: all are the scenario's again.
+  /// @throws std::invalid_argument where a sample has no room for them
+  Reply weights(const std::map<std::string, double>& weights, double seconds = kPatience_s);
   std::vector<Reply> stop(double seconds = kPatience_s);  // until recover()
   /// Ends a reflex or a stop, and awaits that the robot moves again.
   std::vector<Reply> recover(double seconds = kPatience_s);
@@ -133,7 +138,8 @@ class Client {
   Reply push(const std::array<double, 3>& force_W, double duration, double seconds = kPatience_s);
   Reply order(const wire::RobotOrder& order, double seconds = kPatience_s);
 
-  /// Asks all before one has to answer: of TaskTarget, ServiceRequest, FaultInject or RobotOrder.
+  /// Asks all before one has to answer: of TaskTarget, PlannerWeights, ServiceRequest, FaultInject
+  /// or RobotOrder.
   /// @return an answer for each sample; nothing of who did not answer in time
   template <typename T>
   std::vector<std::optional<Reply>> ask(std::vector<T> samples, double seconds);

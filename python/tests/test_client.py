@@ -78,6 +78,20 @@ def test_a_target_has_its_parameters_as_the_page_says():
     assert types.TaskTarget.deserialize(sample.serialize()) == sample
 
 
+def test_weights_have_the_names_of_a_scenario():
+    sample = _client.weights_sample({"roll.Q.ball_xy": 2e5, "roll.R": 0.02}, 7)
+    assert (sample.request_id, sample.weight_count) == (7, 2)
+    assert [(weight.name, weight.value) for weight in sample.weights[:3]] == [("roll.Q.ball_xy", 2e5), ("roll.R", 0.02), ("", 0.0)]
+    assert types.PlannerWeights.deserialize(sample.serialize()) == sample
+    assert _client.weights_sample({}).weight_count == 0
+    with pytest.raises(ValueError, match="at most 32, got 33"):
+        _client.weights_sample({str(i): 1.0 for i in range(33)})
+    with pytest.raises(ValueError, match="roll.R: expected a number, got"):
+        _client.weights_sample({"roll.R": [1.0, 2.0]})
+    with pytest.raises(TypeError, match="roll.R"):
+        _client.weights_sample({"roll.R": "much"})
+
+
 @pytest.mark.parametrize("call, error, message", [
     (lambda: Client(domain="0"), TypeError, "^domain: expected a whole number from 0 to 230, got '0'"),
     (lambda: Client(domain=231), ValueError, "^domain: expected a whole number from 0 to 230, got 231"),

@@ -12,6 +12,7 @@ import pytest
 
 from c3rt.view.cameras import Cameras, mark, words_of
 from c3rt.view.robot import Robot
+from c3rt.view.weights import Weights
 
 PROGRAM = os.environ.get("C3RT_PROGRAM")
 
@@ -241,6 +242,110 @@ def test_a_scenario_without_cameras_is_told_of():
     assert panel.box is None and "no cameras" in panel.texts[0].content
     assert panel.topics == {}
     cameras.stop()
+
+
+# ---- sliders
+
+
+class Sliders(Panel):
+    """What weights.py needs of viser."""
+
+    def __init__(self):
+        super().__init__()
+        self.sliders, self.buttons, self.folders = {}, {}, []
+
+    def add_folder(self, name, expand_by_default=True):
+        self.folders.append(name)
+        return contextlib.nullcontext()
+
+    def add_button(self, label):
+        self.buttons[label] = Handle(on_click=lambda call: setattr(self.buttons[label], "press", lambda: call(None)))
+        return self.buttons[label]
+
+    def add_slider(self, label, min, max, step, initial_value, hint):
+        panel = self
+        label = f"{label}: {hint}"
+
+        class Slider(Handle):
+            def on_update(self, call):
+                self.call = call
+
+            def __setattr__(self, name, value):
+                super().__setattr__(name, value)
+                if name == "value" and "call" in self.__dict__:
+                    self.call(None)  # viser calls it, whoever sets the value
+
+        panel.sliders[label] = Slider(min=min, max=max, step=step, value=initial_value)
+        return panel.sliders[label]
+
+
+WEIGHTS = {"weights": [{"name": "roll.Q.ball_xy", "value": 5e5, "min": 5e4, "max": 5e6}, {"name": "roll.R", "value": 0.01, "min": 1e-3, "max": 0.1},
+                       {"name": "return.R", "value": 0.02, "min": 2e-3, "max": 0.2}]}
+
+
+XY = "Q.ball_xy: 500000 times a power of ten, from 50000 to 5e+06"
+ROLL_R, RETURN_R = "R: 0.01 times a power of ten, from 0.001 to 0.1", "R: 0.02 times a power of ten, from 0.002 to 0.2"
+
+
+@pytest.fixture
+def sliders():
+    pytest.importorskip("cyclonedds", exc_type=ImportError)
+    panel, asked = Sliders(), []
+    weights = Weights(panel, WEIGHTS, lambda some: asked.append(some) or "planner: done")
+    yield panel, weights, asked
+    weights.stop()
+
+
+def test_each_weight_has_a_slider_in_decades_of_its_own_value(sliders):
+    panel, _, asked = sliders
+    assert panel.folders == ["Weights", "Phase roll", "Phase return"]
+    assert list(panel.sliders) == [XY, ROLL_R, RETURN_R]
+    for slider in panel.sliders.values():
+        assert (slider.min, slider.max, slider.value) == (-1, 1, 0)
+        assert slider.min / slider.step == pytest.approx(round(slider.min / slider.step))  # 0 is one of its steps
+    assert asked == []
+
+
+def test_what_is_moved_is_asked_and_never_beyond_its_range(sliders):
+    panel, _, asked = sliders
+    panel.sliders[ROLL_R].value = 0.3
+    await_true(lambda: asked)
+    assert asked[0] == {"roll.R": pytest.approx(0.01 * 10**0.3)}
+    panel.sliders[XY].value = 1.0
+    await_true(lambda: len(asked) == 2)
+    assert asked[1]["roll.Q.ball_xy"] <= 5e6
+    await_true(lambda: panel.texts[0].content == "planner: done")
+
+
+def test_the_scenario_s_weights_come_back_at_once_with_all_sliders_in_the_middle(sliders):
+    panel, _, asked = sliders
+    panel.sliders[RETURN_R].value = -0.5
+    await_true(lambda: asked)
+    panel.buttons["The scenario's weights"].press()
+    await_true(lambda: len(asked) == 2)
+    assert asked[1] == {} and all(slider.value == 0 for slider in panel.sliders.values())
+
+
+def test_a_planner_that_was_started_anew_has_the_scenario_s_and_nothing_is_asked(sliders):
+    panel, weights, asked = sliders
+    weights.follow(None)
+    weights.follow(SimpleNamespace(pid=7))
+    panel.sliders[RETURN_R].value = -0.5
+    await_true(lambda: asked)
+    weights.follow(SimpleNamespace(pid=7))
+    assert panel.sliders[RETURN_R].value == -0.5
+    weights.follow(SimpleNamespace(pid=8))
+    assert panel.sliders[RETURN_R].value == 0 and "anew" in panel.texts[0].content
+    time.sleep(0.1)
+    assert len(asked) == 1
+
+
+def test_a_scenario_that_allows_no_other_weights_says_how_it_would():
+    panel = Sliders()
+    weights = Weights(panel, {"weights": []}, None)
+    assert panel.sliders == {} and "adjustable_by" in panel.texts[0].content
+    weights.follow(SimpleNamespace(pid=1))
+    weights.stop()
 
 
 def test_what_was_not_found_is_said():

@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "controller/impedance/controller.hpp"
+#include "controller/planner/adjustable_weights.hpp"
 #include "controller/planner/target.hpp"
 #include "idl/convert.hpp"
 #include "idl/validate.hpp"
@@ -146,6 +147,20 @@ void use(const wire::TaskTarget& sample) {
   } catch (const task::RequestError& error) {
     require(std::strlen(error.what()) > 0, "a refused target is told why", "task/target");
   }
+}
+
+void use(const wire::PlannerWeights& sample) {
+  planner::Parameters scenario{};
+  scenario.weights_adjustable_by = 100.0;
+  scenario.roll.Q = {{"ball_xy", {5e5}}, {"ball_velocity", {0.1, 0.2}}};
+  scenario.roll.R = 0.01;
+  const planner::NamedWeights wanted = wire::weights(sample);
+  if (!planner::refusal(wanted, planner::adjustable_weights(scenario)).empty()) return;
+  const planner::Parameters others = planner::with_weights(scenario, wanted);
+  const bool near = others.roll.R >= 1e-4 && others.roll.R <= 1.0 &&
+                    others.roll.Q.at("ball_xy").at(0) >= 5e3 &&
+                    others.roll.Q.at("ball_xy").at(0) <= 5e7;
+  require(near, "weights that are taken are within the scenario's range", "planner/weights");
 }
 
 template <typename T>

@@ -52,7 +52,8 @@ TEST_CASE("security: each identity writes what the contract gives it and nothing
       {"impedance", {"robot/command", "robot/motion", "latency/*"}},
       {"planner", {"plan", "planner/debug"}},
       {"vision", {"object/estimate", "object/detection"}},
-      {"client", {"task/target", "service/request", "fault/inject", "robot/order"}}};
+      {"client",
+       {"task/target", "service/request", "fault/inject", "robot/order", "planner/weights"}}};
   for (const auto& [name, topics] : own) {
     INFO(name);
     Topics expected = topics;

@@ -35,11 +35,11 @@ const auto kTopics = table_by_name();
 TEST_CASE("topics: the names are those of the contract, each once") {
   std::set<std::string> names;
   for (const auto& [name, topic] : kTopics) names.insert(name);
-  CHECK(names == std::set<std::string>{"robot/state", "robot/contact", "robot/command",
-                                       "robot/motion", "robot/order", "plan", "planner/debug",
-                                       "object/detection", "object/estimate", "task/target",
-                                       "sim/scene", "sim/tick", "sim/done", "service/status",
-                                       "service/request", "service/reply", "fault/inject"});
+  CHECK(names == std::set<std::string>{
+                     "robot/state", "robot/contact", "robot/command", "robot/motion", "robot/order",
+                     "plan", "planner/debug", "planner/weights", "object/detection",
+                     "object/estimate", "task/target", "sim/scene", "sim/tick", "sim/done",
+                     "service/status", "service/request", "service/reply", "fault/inject"});
 }
 
 TEST_CASE("topics: a type has its own line of the table") {

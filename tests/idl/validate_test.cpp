@@ -200,6 +200,14 @@ bool usable(const ServiceStatus& s) {
 }
 bool usable(const ServiceRequest& s) { return known(s.process, 4) && known(s.verb, 2); }
 bool usable(const ServiceReply& s) { return known(s.process, 4) && known(s.ok) && ends(s.text); }
+bool usable(const PlannerWeights& s) {
+  if (s.weight_count < 0 || s.weight_count > 32) return false;
+  for (int i = 0; i < s.weight_count; ++i) {
+    if (!ends(s.weights[i].name)) return false;
+    if (!(s.weights[i].value >= 0 && s.weights[i].value <= 1e12)) return false;
+  }
+  return true;
+}
 bool usable(const FaultInject& s) {
   return known(s.process, 4) && known(s.kind, 6) && s.duration_s >= 0 && s.duration_s <= 3600 &&
          below(s.value, 1e3);

@@ -107,11 +107,21 @@ def tick_cameras(driver):
     driver.execute_script("arguments[0].click()", box)
 
 
-def keep_picture(driver, name):
-    """Where C3RT_VIEW_PICTURES names a folder."""
+def click_words(driver, words):
+    """On a folder's title or a button."""
+    path = f"//*[normalize-space(text())=\"{words}\"]"
+    assert until(lambda: driver.find_elements(By.XPATH, path)), text_of(driver)
+    driver.execute_script("arguments[0].scrollIntoView(); arguments[0].click()", driver.find_element(By.XPATH, path))
+
+
+def keep_picture(driver, name, about=None):
+    """Where C3RT_VIEW_PICTURES names a folder. about: an element that is to be seen; else a camera's picture"""
     folder = os.environ.get("C3RT_VIEW_PICTURES")
     if folder:
         pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
-        driver.execute_script("for (const i of document.querySelectorAll('img')) if (i.naturalWidth >= 300) { i.scrollIntoView(); break; }")
+        if about is not None:
+            driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", about)
+        else:
+            driver.execute_script("for (const i of document.querySelectorAll('img')) if (i.naturalWidth >= 300) { i.scrollIntoView(); break; }")
         time.sleep(1.0)
         driver.save_screenshot(str(pathlib.Path(folder) / f"{name}.png"))

@@ -23,9 +23,9 @@ constexpr double kThere = 0.5;                    // of the tolerances: it is mo
 constexpr double kAboveTop = 0.01;                // the end effector travels over bodies [m]
 constexpr double kColumn = 2e-3;                  // beside the way straight down [m]
 constexpr double kApart = 0.015;                  // another place is farther than this [m]
-constexpr double kFree = 0.03;     // contacts farther apart begin free, see C3Controller [m]
-constexpr double kOff = 0.015;     // what is at its goal is left by this [m]
-constexpr double kUnmoved = 0.99;  // a body with more left than this part has not come nearer
+constexpr double kFree = 0.03;      // contacts farther apart begin free, see C3Controller [m]
+constexpr double kLeaveBy = 0.015;  // what is at its goal is left by this [m]
+constexpr double kUnmoved = 0.99;   // a body with more left than this part has not come nearer
 // A body that is tilted by this is let go, before it falls onto another side [rad].
 constexpr double kTilted = 0.1;
 // What lies still and is promised nothing for so long, from where the end effector is, is left [s],
@@ -81,7 +81,8 @@ class Sampling final : public Strategy {
       : parameters_(parameters),
         of_(parameters_.sampling),
         state_(parameters),
-        weights_(of_.weights),
+        given_(of_.weights),
+        weights_(given_),
         costs_(c3.add_costs(costs_of(c3.problem(), weights_))) {
     goals_.reserve(static_cast<std::size_t>(parameters.model.bodies));
     const Geometry& geometry = parameters.geometry;
@@ -109,6 +110,12 @@ class Sampling final : public Strategy {
     state_ = State(parameters_);
     decision_ = {};
     decision_.desired.resize(static_cast<std::size_t>(parameters_.N) + 1);
+  }
+
+  void set_weights(const Parameters& parameters, C3Controller& c3) override {
+    const PhaseWeights& weights = parameters.sampling.weights;
+    c3.replace_costs(costs_, costs_of(c3.problem(), weights));
+    weights_ = given_ = weights;
   }
 
   const Decision& decide(const Situation& now, C3Controller& c3) override {
@@ -409,7 +416,7 @@ class Sampling final : public Strategy {
     for (const auto& [of, costs] : prepared_) {
       if (of == bodies) return costs;
     }
-    for (const auto& [name, values] : of_.weights.Q) {
+    for (const auto& [name, values] : given_.Q) {
       std::vector<double>& now = weights_.Q[name];
       now.clear();
       for (const int i : layout.bodies(name)) {
@@ -499,15 +506,16 @@ class Sampling final : public Strategy {
   Eigen::Vector3d off(const scene::Scene& scene) const {
     const Eigen::Vector3d& p_WE = state_.way.reference();
     const scene::Gap gap = nearest_gap(scene, p_WE);
-    if (gap.distance >= kOff) return p_WE;
+    if (gap.distance >= kLeaveBy) return p_WE;
     Eigen::Vector3d out(gap.normal.x(), gap.normal.y(), 0.0);
     if (out.norm() < 0.1) return p_WE;
-    return p_WE + (kOff - gap.distance) * out.normalized();
+    return p_WE + (kLeaveBy - gap.distance) * out.normalized();
   }
 
   const Parameters parameters_;
   const SamplingParameters& of_;
   State state_;
+  PhaseWeights given_;    // by the scenario or a client
   PhaseWeights weights_;  // of this period
   int costs_;
   SampleRules rules_{};

@@ -59,6 +59,10 @@ class Strategy {
   virtual ~Strategy() = default;
   /// Forgets whatever happened before.
   virtual void reset() = 0;
+  /// From the next period on C3 plans with the weights of these parameters, which are else those
+  /// that the strategy was made from. Of one that adds no costs nothing changes.
+  /// @throws std::invalid_argument if they cannot be used (named)
+  virtual void set_weights(const Parameters&, C3Controller&) {}
   /// One period. @param c3 for one that compares plans: what it wants of the last of them is lost
   /// when the planner asks for the decided one
   virtual const Decision& decide(const Situation& situation, C3Controller& c3) = 0;

@@ -104,6 +104,14 @@ void TimeHeuristic::reset() {
   decision_.desired.resize(static_cast<std::size_t>(parameters_.N) + 1);
 }
 
+void TimeHeuristic::set_weights(const Parameters& parameters, C3Controller& c3) {
+  for (std::size_t active = 0; active < roll_.size(); ++active) {
+    const int body = static_cast<int>(active);
+    c3.replace_costs(back_[active], costs_of(c3.problem(), parameters.back, body));
+    c3.replace_costs(roll_[active], costs_of(c3.problem(), parameters.roll, body));
+  }
+}
+
 const Decision& TimeHeuristic::decide(const Situation& now, C3Controller&) {
   const Input& input = *now.input;
   const bool was_in_c3 = in_c3(state_.mode);

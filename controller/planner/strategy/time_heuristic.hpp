@@ -54,6 +54,7 @@ class TimeHeuristic final : public Strategy {
   TimeHeuristic(const Parameters& parameters, C3Controller& c3);
 
   void reset() override;
+  void set_weights(const Parameters& parameters, C3Controller& c3) override;
   const Decision& decide(const Situation& now, C3Controller& c3) override;
 
  private:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import time
 from types import TracebackType
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Type, TypeVar, Union, overload
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Type, TypeVar, Union, overload
 
 import c3rt.v2 as types
 
@@ -21,6 +21,7 @@ FAULTS = {"none": types.FaultKind.FAULT_NONE, "push-object": types.FaultKind.FAU
           "nan": types.FaultKind.FAULT_NAN}
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 LONGEST_TEXT = 31
+LONGEST_NAME = 63  # of a weight
 
 
 class Reply(NamedTuple):
@@ -47,11 +48,11 @@ def _numbers(name: str, value: Any) -> List[float]:
     return [number for entry in value for number in _numbers(name, entry)]
 
 
-def _text(name: str, value: str) -> str:
+def _text(name: str, value: str, longest: int = LONGEST_TEXT) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{name}: expected a text, got {value!r}")
-    if not 0 < len(value.encode()) <= LONGEST_TEXT:
-        raise ValueError(f"{name}: expected a text of 1 to {LONGEST_TEXT} bytes, got {value!r}")
+    if not 0 < len(value.encode()) <= longest:
+        raise ValueError(f"{name}: expected a text of 1 to {longest} bytes, got {value!r}")
     return value
 
 
@@ -70,6 +71,20 @@ def target_sample(kind: str, parameters: Dict[str, Value], request_id: int = 0) 
             raise ValueError(f"{name}: expected at most {types.MAX_TARGET_VALUES} numbers, got {len(numbers)}")
         place.value_count = len(numbers)
         place.values[: len(numbers)] = numbers
+    return sample
+
+
+def weights_sample(weights: Mapping[str, float], request_id: int = 0) -> types.PlannerWeights:
+    """planner/weights of weights by their names."""
+    if len(weights) > types.MAX_WEIGHTS:
+        raise ValueError(f"weights: expected at most {types.MAX_WEIGHTS}, got {len(weights)}")
+    sample = types.PlannerWeights(request_id=request_id, weight_count=len(weights))
+    for place, (name, value) in zip(sample.weights, weights.items()):
+        place.name = _text("weight", name, LONGEST_NAME)
+        numbers = _numbers(name, value)
+        if len(numbers) != 1:
+            raise ValueError(f"{name}: expected a number, got {value!r}")
+        place.value = numbers[0]
     return sample
 
 
@@ -162,6 +177,12 @@ class Client:
         motion, "scenario" gives the scenario's own back. @raises Refused with the planner's reason, NoAnswer"""
         request = self._new_id()
         return self._ask("task/target", target_sample(kind, parameters, request), {request: "planner"}, timeout)[0]
+
+    def weights(self, weights: Mapping[str, float], timeout: float = 5.0) -> Reply:
+        """Gives the planner other weights of Algorithm 1, by their keys below planner.weights of a scenario that allows it
+        ({"roll.Q.ball_xy": 2e5}; `c3rt weights list` names them); {}: all are the scenario's again. @raises Refused, NoAnswer"""
+        request = self._new_id()
+        return self._ask("planner/weights", weights_sample(weights, request), {request: "planner"}, timeout)[0]
 
     def stop(self, timeout: float = 5.0) -> List[Reply]:
         """Stops the robot until recover(). @raises Refused, NoAnswer"""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import deque
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
@@ -20,6 +21,7 @@ from c3rt.client import Client, NoAnswer, Refused
 
 from .cameras import Cameras
 from .robot import Robot
+from .weights import Weights
 
 RATE_HZ = 20.0
 WINDOW_S = 20.0  # of the plots
@@ -103,8 +105,8 @@ class _Plot:
 class Page:
     """Serves the page and keeps it up to date until stop().
 
-    scene: {"objects": [{"name", "shape"}], "tip_radius_m", "table_height_m", "urdf", "scenario", and of the cameras those of
-    cameras.py}, as `c3rt view` writes it."""
+    scene: {"objects": [{"name", "shape"}], "tip_radius_m", "table_height_m", "urdf", "scenario", and those of cameras.py and
+    weights.py}, as `c3rt view` writes it."""
 
     def __init__(self, client: Client, scene: Dict[str, Any], host: str = "127.0.0.1", port: int = 8080) -> None:
         self._client = client
@@ -114,6 +116,7 @@ class Page:
                         ("robot/state", "robot/command", "robot/contact", "plan", "planner/debug", "sim/scene")}
         self._estimates = _Newest(client, "object/estimate", 32)
         self._statuses: Dict[str, Any] = {}
+        self._asking = threading.Lock()  # buttons and sliders ask from threads of their own, and an answer has one reader
         self._clicking: Optional[Callable[..., None]] = None
         self._robot = Robot(scene["urdf"]) if scene.get("urdf") else None
         self._build_scene()
@@ -125,6 +128,7 @@ class Page:
 
     def stop(self) -> None:
         self._cameras.stop()
+        self._weights.stop()
         self._server.stop()
 
     def run(self, until: Callable[[], bool]) -> None:
@@ -198,6 +202,8 @@ class Page:
             self._solve = _Plot(self._server, "solve [ms]", ["solve"])
             self._force = _Plot(self._server, "force from outside [N]", ["x", "y", "z"])
         self._cameras = Cameras(self._server, self._client, self._scene)
+        self._weights = Weights(self._server, self._scene,
+                                lambda weights: self._words("weights", lambda: self._client.weights(weights)))
         with gui.add_folder("Processes"):
             self._processes = gui.add_markdown("nothing heard")
 
@@ -205,15 +211,20 @@ class Page:
         self._server.gui.add_button(label).on_click(lambda _: self._ask(label, action))
 
     def _ask(self, label: str, action: Callable[[], Any]) -> None:
+        self._answer.content = self._words(label, action)
+
+    def _words(self, label: str, action: Callable[[], Any]) -> str:
+        """What comes of asking."""
         try:
-            reply = action()
+            with self._asking:
+                reply = action()
             replies = reply if isinstance(reply, list) else [reply]
             words = "; ".join(f"{one.process}: {one.text or 'done'}" for one in replies)
         except (Refused, ValueError) as refused:
             words = f"refused: {refused}"
         except NoAnswer as silence:
             words = str(silence)
-        self._answer.content = f"*{label}*: {words}"
+        return f"*{label}*: {words}"
 
     def _push(self) -> List[float]:
         angle = np.random.default_rng().uniform(0, 2 * np.pi)
@@ -313,6 +324,7 @@ class Page:
     def _tell(self) -> None:
         state, plan = self._newest["robot/state"], self._newest["plan"]
         self._statuses.update(self._client.status(timeout=0.0))
+        self._weights.follow(self._statuses.get("planner"))
         if state.fresh:
             mode = state.sample.mode.name.replace("ROBOT_", "").replace("_", " ").lower()
             phase = plan.sample.phase if plan.fresh else "no plan"

@@ -2,6 +2,7 @@
 #include "idl/process.hpp"
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ class World {
         states(bus),
         estimates(bus),
         targets(bus),
+        weights(bus),
         faults(bus),
         replies(bus),
         plans(bus),
@@ -80,6 +82,7 @@ class World {
   wire::Writer<wire::RobotState> states;
   wire::Writer<wire::ObjectEstimate> estimates;
   wire::Writer<wire::TaskTarget> targets;
+  wire::Writer<wire::PlannerWeights> weights;
   wire::Writer<wire::FaultInject> faults;
   wire::Reader<wire::ServiceReply> replies;
   wire::Reader<wire::Plan> plans;
@@ -219,6 +222,38 @@ TEST_CASE("c3rt-planner: every target is answered, a refused one with what can b
     CHECK(reply.ok == (c.expected == nullptr));
     if (c.expected != nullptr) CHECK_THAT(reply.text, Catch::Contains(c.expected));
   }
+}
+
+TEST_CASE("c3rt-planner: other weights are taken where the scenario allows them, and answered") {
+  const auto answers = [](const std::vector<std::string>& more,
+                          const std::vector<std::map<std::string, double>>& asked) {
+    World world(more);
+    wire::Plan plan{};
+    for (int i = 0; i < 50; ++i) world.step(plan);
+    std::vector<std::string> texts;
+    std::uint64_t id = 0;
+    for (const auto& weights : asked) {
+      wire::PlannerWeights sample = wire::planner_weights(weights);
+      sample.request_id = ++id;
+      world.weights.write(sample, world.now_ns);
+      const wire::ServiceReply reply = world.answer_to(id);
+      REQUIRE(reply.request_id == id);
+      CHECK(reply.process == c3rt_v2_PROCESS_PLANNER);
+      texts.push_back((reply.ok ? "ok: " : "no: ") + std::string(reply.text));
+    }
+    return texts;
+  };
+  CHECK(answers({"--set", "planner.weights.adjustable_by=100"},
+                {{{"roll.Q.ball_xy", 2e5}, {"return.R", 0.02}},
+                 {{"roll.R", 2.0}},
+                 {{"roll.R", -1.0}},
+                 {}}) ==
+        std::vector<std::string>{"ok: return.R 0.02, roll.Q.ball_xy 200000",
+                                 "no: refused: roll.R: expected a number in [0.0001, 1], got 2",
+                                 "no: refused: weights.value[0] is -1, expected 0 to 1000000000000",
+                                 "ok: the scenario's own"});
+  const std::vector<std::string> none = answers({}, {{{"roll.Q.ball_xy", 2e5}}});
+  CHECK_THAT(none[0], Catch::Contains("no: refused: expected a scenario with planner.weights."));
 }
 
 TEST_CASE("c3rt-planner: faults that it does not have, or that do not end, are refused by reply") {

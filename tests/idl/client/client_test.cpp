@@ -28,6 +28,7 @@ int play() {
     endpoints.back()->say(c3rt_v2_SERVICE_RUNNING, "here");
   }
   wire::Reader<wire::TaskTarget> targets(bus);
+  wire::Reader<wire::PlannerWeights> weighed(bus);
   wire::Reader<wire::RobotOrder> orders(bus);
   wire::Writer<wire::RobotState> states(bus);
   while (true) {
@@ -49,6 +50,14 @@ int play() {
                    std::to_string(request.parameters.at(0).values.size())
              : "refused: no circles",
           now_ns);
+    }
+    endpoints.back()->replies().answer_refused(weighed, now_ns);
+    wire::PlannerWeights asked{};
+    while (weighed.take(asked)) {
+      std::string text;
+      for (const auto& [name, value] : wire::weights(asked))
+        text += name + "=" + std::to_string(value) + ";";
+      endpoints.back()->replies().answer(asked.request_id, true, text, now_ns);
     }
     endpoints.front()->replies().answer_refused(orders, now_ns);
     wire::RobotOrder order{};
@@ -101,6 +110,16 @@ TEST_CASE("client: by domain alone it reads, asks, and hears what the processes 
   CHECK(reply.text == "pose goals_m 2");
   CHECK(thrown<Refused>([&] { client.target("circle", {}, kLong); }) ==
         "planner: refused: no circles");
+  CHECK(client.weights({{"roll.R", 0.5}, {"roll.Q.ball_xy", 2e5}}, kLong).text ==
+        "roll.Q.ball_xy=200000.000000;roll.R=0.500000;");
+  CHECK(client.weights({}, kLong).text.empty());
+  CHECK(thrown<Refused>([&] {
+          client.weights({{"roll.R", -1.0}}, kLong);
+        }) == "planner: refused: weights.value[0] is -1, expected 0 to 1000000000000");
+  std::map<std::string, double> too_many;
+  for (int i = 0; i < 33; ++i) too_many[std::to_string(i)] = 1.0;
+  CHECK(thrown<std::invalid_argument>([&] { client.weights(too_many); }) ==
+        "weights: expected at most 32, got 33");
   CHECK(client.stop(kLong).size() == 3);
   CHECK(thrown<NoAnswer>([&] { client.recover(0.2); }) ==
         "plant, impedance, planner did not answer for 0.2 s on domain " +
