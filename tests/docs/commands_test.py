@@ -5,7 +5,7 @@
 
 A block ```sh is run; a block ```python or ```yaml whose first line is a comment with a file's name is that file; a block ```text right after
 a ```sh is what that prints, line by line, where ... stands for anything. examples/, config/ and docs/ are there as in a checkout. A page
-that uses python3 is skipped (77) where PROGRAM, with the package and numpy, is not to be had. `--domain 7` becomes a domain of the test's own.
+that uses python3 or searches is skipped (77) where PROGRAM, with the package and numpy, is not to be had. `--domain 7` becomes a domain of the test's own.
 Needs nothing but Python 3.
 """
 import argparse
@@ -119,7 +119,7 @@ def main():
     if not commands:
         print(f"{arguments.page}: no block of commands: has its form changed?")
         return 1
-    if any("python3" in block[1] for block in commands) and not os.access(arguments.python, os.X_OK):
+    if any("python3" in block[1] or "c3rt tune" in block[1] for block in commands) and not os.access(arguments.python, os.X_OK):
         print("the packages of Python were not to be had")
         return SKIPPED
     with tempfile.TemporaryDirectory() as scratch:
