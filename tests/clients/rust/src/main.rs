@@ -1,12 +1,12 @@
 //! One cell of the matrix of docs/clients.md, in Rust with the crate rustdds, which shares no code with Cyclone DDS: reads
 //! robot/state for a second and a plan, gives the planner a circle, and says what came.
 //!
-//!     client DOMAIN
+//!     client DOMAIN [KEYS]     KEYS: on a secure bus, the folder of its keys, by the names that ROS 2 has for them
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use rustdds::policy::{Durability, History, Reliability};
 use rustdds::with_key::Sample;
-use rustdds::{DomainParticipant, Keyed, QosPolicies, QosPolicyBuilder, TopicKind};
+use rustdds::{DomainParticipantBuilder, DomainParticipantSecurityConfigFiles, Keyed, QosPolicies, QosPolicyBuilder, TopicKind};
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
@@ -123,7 +123,11 @@ fn parameter(name: &str, given: &[f64]) -> TargetParameter {
 
 fn main() {
     let domain = std::env::args().nth(1).and_then(|word| word.parse().ok()).unwrap_or(0);
-    let participant = DomainParticipant::new(domain).expect("a participant");
+    let mut builder = DomainParticipantBuilder::new(domain);
+    if let Some(folder) = std::env::args().nth(2) {
+        builder = builder.builtin_security(DomainParticipantSecurityConfigFiles::with_ros_default_names(folder, String::new()));
+    }
+    let participant = builder.build().expect("a participant");
     let subscriber = participant.create_subscriber(&qos(false, false)).expect("a subscriber");
     let publisher = participant.create_publisher(&qos(true, true)).expect("a publisher");
     let topic = |name: &str, kind: &str, with_key, of: &QosPolicies| {
