@@ -194,7 +194,8 @@ void Controller::meet_new_robot(std::uint64_t session_id) noexcept {
   judged_plan_ns_ = 0;
   stale_cycles_ = 0;
   previous_now_ns_ = 0;
-  loop_age_ = 1.0;
+  loop_age_ = lag_ = 1.0;
+  answered_ns_ = 0;
   late_ = false;
   away_ = false;
   tau_.setZero();
@@ -264,9 +265,27 @@ void Controller::watch_loop(const Input& input) noexcept {
   }
   loop_age_ += (age - loop_age_) / kLoopMemory;
   const bool swings = fastest_joint(input.dq, parameters_.limits.dq_max) > kSwinging;
-  const bool late = loop_age_ > (swings ? kLateSwinging : late_ ? kLoopIsWell : kLateLoop);
+  const double bearable = late_ ? kLoopIsWell : kLateLoop;
+  const bool late = loop_age_ > (swings ? kLateSwinging : bearable) || lag(input, age) > bearable;
   if (late && !late_) ++counters_.late_loops;
   late_ = late;
+}
+
+double Controller::lag(const Input& input, double age) noexcept {
+  if (!input.robot_moves || input.answered_ns == 0) {
+    answered_ns_ = 0;
+    return lag_ = 1.0;
+  }
+  const bool first = answered_ns_ == 0;
+  const double gap = first ? 0.0 : seconds_between(answered_at_ns_, input.now_ns);
+  const double newest = std::min(std::max(age, gap / parameters_.period), kLongestLag);
+  const double with_newest = lag_ + (newest - lag_) / kFewCommands;
+  if (first || input.answered_ns != answered_ns_) {
+    answered_ns_ = input.answered_ns;
+    answered_at_ns_ = input.now_ns;
+    lag_ = with_newest;
+  }
+  return with_newest;
 }
 
 Vector7d Controller::damping(const Input& input) const noexcept {

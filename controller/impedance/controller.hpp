@@ -67,6 +67,11 @@ constexpr int kPatience = 20;
 /// States that come one after the other, each older than kPatience, brake it, too: up to
 /// `state_timeout` the damping bears them, and an arm that is left to coast goes far in that time.
 constexpr double kLateLoop = 3.5, kLoopIsWell = 2.5, kLoopMemory = 100.0;
+/// The same of so many of the newest commands that the robot has got, each as late as it came, or
+/// as the gap before it was long, and no more than kLongestLag: two commands in a row that are 8
+/// cycles old, or two gaps of 7, are known at once, long before the average of all cycles tells; a
+/// single gap of any length is forgiven.
+constexpr double kFewCommands = 4.0, kLongestLag = 8.0;
 constexpr double kLateSwinging = 1.5, kSwinging = 0.35;
 
 /// Good robot states in a row after which a controller that recovers alone goes on.
@@ -153,6 +158,9 @@ class Controller {
   void meet_new_robot(std::uint64_t session_id) noexcept;
   void change_mode(const Input& input) noexcept;
   void watch_loop(const Input& input) noexcept;
+  /// How late the newest few commands came, the one that is waited for among them. @param age of
+  /// the newest one now; all in cycles
+  double lag(const Input& input, double age) noexcept;
   void rest_here() noexcept;
   bool stop_ends_alone() const noexcept;
   bool recovers(bool asked) noexcept;
@@ -178,8 +186,11 @@ class Controller {
   std::int64_t seen_state_ns_ = 0;
   int same_state_cycles_ = 0;  // in a row
   double loop_age_ = 1.0;      // average [cycles]
-  bool late_ = false;          // the loop
-  bool away_ = false;          // cycles or states were missing: the reference begins anew
+  double lag_ = 1.0;           // of the newest commands that the robot has got [cycles]
+  std::int64_t answered_ns_ = 0,
+               answered_at_ns_ = 0;  // by the newest, and when that was seen first
+  bool late_ = false;                // the loop
+  bool away_ = false;                // cycles or states were missing: the reference begins anew
   PlanVerdict plan_verdict_ = PlanVerdict::kNone;
   std::int64_t judged_plan_ns_ = 0;  // stamp of the newest plan that was counted
   Eigen::Isometry3d X_WE_hold_ = Eigen::Isometry3d::Identity();

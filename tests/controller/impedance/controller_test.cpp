@@ -646,6 +646,44 @@ TEST_CASE("controller: nineteen commands that are lost now and then do not make 
   CHECK(output.counters.late_loops == 0);
 }
 
+TEST_CASE("controller: commands that begin to come late are known at the second one") {
+  const int delay = GENERATE(3, 8, 12, 19);  // [cycles]
+  CAPTURE(delay);
+  Controller controller = make(parameters());
+  std::int64_t now = 0, answered = 0;
+  const auto late_loops = [&](std::int64_t behind) {
+    now += kMs;
+    Input input = with_plan(now);
+    input.answered_ns = answered = std::max(answered, now - behind * kMs);
+    return controller.step(input).counters.late_loops;
+  };
+  for (int i = 0; i < 500; ++i) REQUIRE(late_loops(1) == 0);
+  int cycles = 0;
+  while (late_loops(delay) == 0 && cycles < 500) ++cycles;
+  // until the first one comes, and one more; a delay that the law bears never
+  CHECK(cycles == (delay == 3 ? 500 : delay));
+}
+
+TEST_CASE("controller: where most commands are lost that is known within the second gap") {
+  const int gap = GENERATE(4, 7, 12, 17);  // [cycles]
+  CAPTURE(gap);
+  Controller controller = make(parameters());
+  std::int64_t now = 0, answered = 0;
+  const auto late_loops = [&](int of) {
+    now += kMs;
+    Input input = with_plan(now);
+    if (of == 0) answered = now - kMs;
+    input.answered_ns = answered;
+    return controller.step(input).counters.late_loops;
+  };
+  for (int i = 0; i < 500; ++i) REQUIRE(late_loops(0) == 0);
+  for (int i = 1; i <= gap; ++i) CHECK(late_loops(i % gap) == 0);
+  int cycles = 0;
+  while (late_loops(++cycles % gap) == 0 && cycles < 500) continue;
+  // gaps of 4 make the average tell, as before
+  CHECK(cycles <= (gap == 4 ? 200 : 7));
+}
+
 TEST_CASE("controller: of an arm that swings, a delay that a calm arm bears is too late") {
   const int age = GENERATE(1, 3);  // of the newest command that the robot has [cycles]
   CAPTURE(age);
