@@ -204,6 +204,13 @@ CLI::Validator one_of_or_list(std::vector<std::string> words) {
       known);
 }
 
+CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& given,
+                           const std::string& of) {
+  return command.add_option("--set", given, "Overrides one key of " + of + ": section.key=value")
+      ->expected(1)
+      ->take_all();
+}
+
 std::string nearest(const std::string& word, const std::vector<std::string>& words) {
   std::string best;
   if (word.size() > 64) return best;

@@ -23,6 +23,10 @@ CLI::Validator one_of(std::vector<std::string> words);
 /// The same, or what has a comma in it, which is looked at where it is read.
 CLI::Validator one_of_or_list(std::vector<std::string> words);
 
+/// --set, any number of times: keys of a scenario in place of those of its file. @param of whose
+CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& given,
+                           const std::string& of = "the scenario");
+
 /// The word that a mistyped one most likely means; "" if none is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& words);
 

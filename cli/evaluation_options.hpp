@@ -33,11 +33,7 @@ inline void add_options(CLI::App& command, CampaignSettings& settings) {
       ->required();
   command.add_option("--seeds", settings.seeds, "Numbers and ranges: 1..50, or 1,5,9..12")
       ->capture_default_str();
-  command
-      .add_option("--set", settings.overrides,
-                  "Overrides one key of the scenario: section.key=value")
-      ->expected(1)
-      ->take_all();
+  add_overrides(command, settings.overrides);
   command.add_option("--out", settings.out, "Folder of results; default: out/campaign-SCENARIO");
   command.add_flag("--logs", settings.logs, "Keeps the samples of each run (0.7 MB a second)");
   command.add_flag("--pictures", settings.pictures, "Draws the pictures of each run");

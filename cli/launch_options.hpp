@@ -41,11 +41,7 @@ struct LaunchOptions {
     command.add_option("--seed", settings.seed, "Seed of every random number")
         ->check(whole(0, std::numeric_limits<long long>::max()))
         ->capture_default_str();
-    command
-        .add_option("--set", settings.overrides,
-                    "Overrides one key of the scenario: section.key=value")
-        ->expected(1)
-        ->take_all();
+    add_overrides(command, settings.overrides);
     command.add_option("--out", settings.out,
                        "Folder of logs and results; default: out/SCENARIO-DATE");
     command.add_option("--domain", domain_, "DDS domain, 0 to 230, or any: the first that is free")

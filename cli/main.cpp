@@ -591,9 +591,7 @@ class CommandLine {
   static void add_shown(CLI::App& program, cli::ShownScenario& shown) {
     program.add_option("--scenario", shown.scenario,
                        "Whose objects are shown; default: that of the instance");
-    program.add_option("--set", shown.overrides, "Overrides one key of it: section.key=value")
-        ->expected(1)
-        ->take_all();
+    cli::add_overrides(program, shown.overrides, "it");
   }
 
   void add_view() {
@@ -642,9 +640,7 @@ class CommandLine {
         ->required();
     report->add_option("--scenario", report_.scenario,
                        "By which it is judged; default: that which the recording tells");
-    report->add_option("--set", report_.overrides, "Overrides one key of it: section.key=value")
-        ->expected(1)
-        ->take_all();
+    cli::add_overrides(*report, report_.overrides, "it");
     report
         ->add_option("--seed", report_.seed, "Of the run; default: that which the recording tells")
         ->check(cli::whole(0, std::numeric_limits<long long>::max()));
@@ -695,10 +691,7 @@ class CommandLine {
         ->add_option("--scenario", replay_.scenario,
                      "Of the fresh one; default: that which the recording tells")
         ->needs(compare);
-    replay->add_option("--set", replay_.overrides, "Overrides one key of it: section.key=value")
-        ->expected(1)
-        ->take_all()
-        ->needs(compare);
+    cli::add_overrides(*replay, replay_.overrides, "it")->needs(compare);
     replay->add_option("--seed", replay_.seed, "Of the fresh one; default: that of the recording")
         ->check(cli::whole(0, std::numeric_limits<long long>::max()))
         ->needs(compare);
@@ -730,11 +723,7 @@ class CommandLine {
                     "Control steps of the example's trial, or plans of the recording")
         ->check(cli::whole(1, 100000))
         ->capture_default_str();
-    gap->add_option(
-           "--set", gap_.overrides,
-           "Overrides one key of the example or of the recording's scenario: section.key=value")
-        ->expected(1)
-        ->take_all();
+    cli::add_overrides(*gap, gap_.overrides, "the example or of the recording's scenario");
     gap->add_option("--planner", gap_.planners,
                     "A scenario whose planner answers for the same states, too, of the example's "
                     "kind or for the recording's ball; several by saying it again")
@@ -786,10 +775,7 @@ class CommandLine {
                        "the place of one that is left out");
     scenario->add_option("scenario", scenario_,
                          "Name of a scenario, or a path to its file; none: lists those there are");
-    scenario
-        ->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
-        ->expected(1)
-        ->take_all();
+    cli::add_overrides(*scenario, overrides_);
     scenario
         ->add_flag("--json", as_json_,
                    "Prints it as JSON, for programs: its file, texts, values and the files "
@@ -801,9 +787,7 @@ class CommandLine {
                 [this] { return cli::plan(scenario_, overrides_, std::cin, std::cout); });
     plan->add_option("scenario", scenario_, "Name of a scenario, or a path to its file")
         ->required();
-    plan->add_option("--set", overrides_, "Overrides one key of the scenario: section.key=value")
-        ->expected(1)
-        ->take_all();
+    cli::add_overrides(*plan, overrides_);
     add_lcs();
     add_object();
     add_bench();

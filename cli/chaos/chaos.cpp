@@ -179,7 +179,7 @@ class Chaos {
     if (files_) return;
     summary_.scenario = launch.scenario().name;
     settings_.launch.out = launch.out().string();
-    files_.emplace(launch.out());
+    files_.emplace(launch.out(), false);  // its passes are no tasks that are met
     fmt::print("c3rt chaos {} ({}, seed {}): {}\nresults in {}\n", summary_.scenario,
                summary_.clock, summary_.seed, launch.scenario().description, launch.out().string());
     std::fflush(stdout);

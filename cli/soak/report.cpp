@@ -158,9 +158,11 @@ Files::File Files::made(const std::filesystem::path& path, const char* head) {
   return file;
 }
 
-Files::Files(const std::filesystem::path& folder)
-    : passes_(made(folder / "passes.csv",
-                   "pass,seed,duration_s,loops_completed,whole,met,violations,log_hash\n")),
+Files::Files(const std::filesystem::path& folder, bool of_passes)
+    : passes_(of_passes
+                  ? made(folder / "passes.csv",
+                         "pass,seed,duration_s,loops_completed,whole,met,violations,log_hash\n")
+                  : nullptr),
       processes_(made(folder / "processes.csv",
                       "time_s,process,pid,memory_bytes,threads,descriptors,log_bytes\n")) {}
 

@@ -76,8 +76,9 @@ std::string time_text(double seconds);
 /// The two files that grow with the soak, on the disk and not in memory.
 class Files {
  public:
+  /// @param of_passes false: there is no passes.csv, and no pass is added
   /// @throws std::runtime_error where they cannot be written
-  explicit Files(const std::filesystem::path& folder);
+  explicit Files(const std::filesystem::path& folder, bool of_passes = true);
   void add(const Pass& pass);
   void add(double time, const invariants::ProcessSample& sample);
   /// Lines for which there was no room.

@@ -39,7 +39,7 @@ inline LongRun long_run(const std::string& name, const std::vector<std::string>&
   const auto out = folder.path() / "out", log = folder.path() / "said.txt";
   test::ChildProcess child(long_command(name, arguments, out), log.string());
   if (ctrl_c) {
-    REQUIRE(eventually([&] { return std::filesystem::exists(out / "passes.csv"); }));
+    REQUIRE(eventually([&] { return std::filesystem::exists(out / "processes.csv"); }));
     child.signal(SIGINT);
   }
   LongRun run{child.wait(), {}, read_text(log)};
