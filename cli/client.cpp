@@ -24,14 +24,6 @@ namespace {
 constexpr double kReply = 10.0;    // until a process must have answered [s]
 constexpr double kPresence = 0.5;  // in which a process that runs tells its status [s]
 
-wire::Process asked(const wire::TaskTarget&) { return c3rt_v2_PROCESS_PLANNER; }
-wire::Process asked(const wire::PlannerWeights&) { return c3rt_v2_PROCESS_PLANNER; }
-wire::Process asked(const wire::RobotOrder&) { return c3rt_v2_PROCESS_PLANT; }
-template <typename T>
-wire::Process asked(const T& sample) {
-  return sample.process;
-}
-
 /// Asks all before one has to answer, and prints the answers. @return an exit status
 template <typename T>
 int ask(const Seat& seat, const std::vector<T>& samples) {
@@ -46,10 +38,11 @@ int ask(const Seat& seat, const std::vector<T>& samples) {
   }
   int exit_status = kDone;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const char* process = wire::process_name(asked(samples[i]));
+    const char* process = wire::process_name(wire::asked_process(samples[i]));
     if (!replies[i]) {
       const auto heard = client.status(kPresence);
-      const bool there = heard[static_cast<std::size_t>(asked(samples[i]))].has_value();
+      const bool there =
+          heard[static_cast<std::size_t>(wire::asked_process(samples[i]))].has_value();
       fmt::print(stderr, "c3rt: error: {} did not answer within {:.0f} s{}\n", process, kReply,
                  there ? "" : ", and nothing is heard of it on service/status: it does not run");
       exit_status = kProcessFailed;

@@ -35,12 +35,14 @@ class Replies {
   }
 
  private:
-  static bool is_for(Process, const TaskTarget&) { return true; }  // only the planner reads them
-  static bool is_for(Process, const PlannerWeights&) { return true; }
-  static bool is_for(Process, const RobotOrder&) { return true; }  // only the plant does
+  /// Of a sample that was not let in.
   template <typename T>
   static bool is_for(Process process, const T& sample) {
-    return std::memcmp(&sample.process, &process, sizeof process) == 0;  // it may be no enumerator
+    if constexpr (kNamesProcess<T>) {
+      // it may be no enumerator
+      return std::memcmp(&sample.process, &process, sizeof process) == 0;
+    }
+    return true;  // nobody else reads it
   }
 
   Process process_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "c3rt.h"         // generated from idl/c3rt.idl
@@ -127,11 +128,11 @@ struct TypeAt;
 C3RT_TOPICS(C3RT_TOPIC)
 #undef C3RT_TOPIC
 
-/// The process, if no other party writes.
-constexpr std::optional<Process> only_process(Parties writers) {
+/// The process, if there is no other party.
+constexpr std::optional<Process> only_process(Parties parties) {
   for (const Process process : {c3rt_v2_PROCESS_PLANT, c3rt_v2_PROCESS_IMPEDANCE,
                                 c3rt_v2_PROCESS_PLANNER, c3rt_v2_PROCESS_VISION}) {
-    if (writers == party::of(process)) return process;
+    if (parties == party::of(process)) return process;
   }
   return std::nullopt;
 }
@@ -185,6 +186,25 @@ bool with_topic(std::string_view name, Action&& action) {
     action(sample);
   });
   return found;
+}
+
+/// Whether a request says whom it is for; one that does not is for the only process that reads it.
+template <typename T, typename = void>
+constexpr bool kNamesProcess = false;
+template <typename T>
+constexpr bool kNamesProcess<T, std::void_t<decltype(T::process)>> = true;
+
+/// Who is to answer a request that was let in.
+template <typename T>
+Process asked_process(const T& request) {
+  static_assert(topic<T>().trait == Trait::kAnswered);
+  if constexpr (kNamesProcess<T>) {
+    return request.process;
+  } else {
+    constexpr auto kReader = table::only_process(topic<T>().readers & ~party::kClients);
+    static_assert(kReader.has_value(), "it names its process, or one alone reads it");
+    return *kReader;
+  }
 }
 
 using Sequences = decltype(Tick::newest_seq);  // by Topic::stream

@@ -59,10 +59,7 @@ std::uint64_t Asked::request_id() const {
 }
 
 wire::Process Asked::process() const {
-  if (const auto* request = std::get_if<wire::ServiceRequest>(&sample)) return request->process;
-  if (const auto* fault = std::get_if<wire::FaultInject>(&sample)) return fault->process;
-  if (std::holds_alternative<wire::RobotOrder>(sample)) return c3rt_v2_PROCESS_PLANT;
-  return c3rt_v2_PROCESS_PLANNER;
+  return std::visit([](const auto& s) { return wire::asked_process(s); }, sample);
 }
 
 Overview look_over(const std::filesystem::path& file) {

@@ -8,8 +8,6 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr double kLargest = 1e12;  // weight of a scenario, and on the wire
-
 /// Calls `action(name, weight)` with every weight of Q, R, G and U of a phase.
 template <typename Weights, typename Action>
 void each(const std::string& phase, Weights& weights, Action&& action) {
@@ -61,7 +59,7 @@ std::vector<AdjustableWeight> adjustable_weights(const Parameters& scenario) {
   const double by = scenario.weights_adjustable_by;
   if (by <= 1.0) return all;
   each(scenario, [&](const std::string& name, double value) {
-    if (value > 0.0) all.push_back({name, value, value / by, std::min(value * by, kLargest)});
+    if (value > 0.0) all.push_back({name, value, value / by, std::min(value * by, kLargestWeight)});
   });
   return all;
 }

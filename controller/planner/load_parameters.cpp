@@ -12,8 +12,8 @@
 namespace c3rt::planner {
 namespace {
 
-constexpr config::Range kWeight{0.0, 1e12};
-constexpr config::Range kPositiveWeight{1e-12, 1e12};
+constexpr config::Range kWeight{0.0, kLargestWeight};
+constexpr config::Range kPositiveWeight{1e-12, kLargestWeight};
 
 /// One weight for all rows of η, or `KEY_distance` and `KEY_slip` beside that of the cone.
 PhaseWeights::Rows load_rows(config::Section& section, const std::string& key,

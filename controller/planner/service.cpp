@@ -39,8 +39,10 @@ Service::Service(wire::Bus& bus, wire::Endpoint& endpoint, const Parameters& par
 
 void Service::step(std::int64_t now_ns) {
   take(now_ns);
-  take_targets(now_ns);
-  take_weights(now_ns);
+  take_asked(targets_, "target", now_ns,
+             [this](const wire::TaskTarget& sample) { return take_target(sample); });
+  take_asked(weighed_, "weights", now_ns,
+             [this](const wire::PlannerWeights& sample) { return take_weights(sample); });
   serve_clients(now_ns);
   if (faults_.stalls(now_ns)) return;
 
@@ -78,54 +80,43 @@ void Service::take(std::int64_t now_ns) {
   }
 }
 
-void Service::take_targets(std::int64_t now_ns) {
-  endpoint_.replies().answer_refused(targets_, now_ns);
-  wire::TaskTarget sample{};
-  while (targets_.take(sample)) {
-    const std::string refused = take_target(sample);
-    const std::string said = refused.empty() ? describe(in_.target) : "refused: " + refused;
-    endpoint_.replies().answer(sample.request_id, refused.empty(), said, now_ns);
-    endpoint_.tell(!refused.empty(), "target " + said);
+template <typename T, typename Take>
+void Service::take_asked(wire::Reader<T>& reader, const char* what, std::int64_t now_ns,
+                         Take&& take) {
+  endpoint_.replies().answer_refused(reader, now_ns);
+  T sample{};
+  while (reader.take(sample)) {
+    const wire::Answer answer = take(sample);
+    const std::string said = answer.ok ? answer.text : "refused: " + answer.text;
+    endpoint_.replies().answer(sample.request_id, answer.ok, said, now_ns);
+    endpoint_.tell(!answer.ok, std::string(what) + " " + said);
   }
 }
 
-std::string Service::take_target(const wire::TaskTarget& sample) {
+wire::Answer Service::take_target(const wire::TaskTarget& sample) {
   try {
     Target target = load_target(wire::request(sample));
     if (auto* task = std::get_if<task::Task>(&target))
       *task = task->seeded(parameters_.sampling.seed);
-    std::string refused = refusal(target, limits_);
-    if (refused.empty()) in_.target = target;
-    return refused;
+    const std::string refused = refusal(target, limits_);
+    if (!refused.empty()) return {false, refused};
+    in_.target = target;
+    return {true, describe(target)};
   } catch (const task::RequestError& error) {
-    return error.what();
+    return {false, error.what()};
   }
 }
 
-void Service::take_weights(std::int64_t now_ns) {
-  endpoint_.replies().answer_refused(weighed_, now_ns);
-  wire::PlannerWeights sample{};
-  while (weighed_.take(sample)) {
-    const NamedWeights wanted = wire::weights(sample);
-    const std::string refused = take_weights(wanted);
-    const std::string taken = wanted.empty() ? "the scenario's own" : describe(wanted);
-    const std::string said = refused.empty() ? taken : "refused: " + refused;
-    endpoint_.replies().answer(sample.request_id, refused.empty(), said, now_ns);
-    endpoint_.tell(!refused.empty(), "weights " + said);
-  }
-}
-
-std::string Service::take_weights(const NamedWeights& wanted) {
+wire::Answer Service::take_weights(const wire::PlannerWeights& sample) {
+  const NamedWeights wanted = wire::weights(sample);
   const std::string refused = refusal(wanted, adjustable_);
-  if (!refused.empty()) return refused;
-  NamedWeights together;
-  if (!wanted.empty()) {
-    together = wanted;
-    together.insert(weights_.begin(), weights_.end());  // where both name one, it is the wanted
-  }
+  if (!refused.empty()) return {false, refused};
+  NamedWeights together = wanted;
+  // where both name one, it is the wanted; none at all: the scenario's
+  if (!wanted.empty()) together.insert(weights_.begin(), weights_.end());
   node_.set_weights(with_weights(parameters_, together));
   weights_ = together;
-  return "";
+  return {true, wanted.empty() ? "the scenario's own" : describe(wanted)};
 }
 
 void Service::serve_clients(std::int64_t now_ns) {

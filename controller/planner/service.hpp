@@ -25,12 +25,11 @@ class Service {
 
  private:
   void take(std::int64_t now_ns);
-  void take_targets(std::int64_t now_ns);
-  /// @return why it is not taken; empty where it is
-  std::string take_target(const wire::TaskTarget& sample);
-  void take_weights(std::int64_t now_ns);
-  /// @return why they are not taken; empty where they are
-  std::string take_weights(const NamedWeights& wanted);
+  /// What clients asked for on a topic: each is taken or refused, answered, and told in the log.
+  template <typename T, typename Take>
+  void take_asked(wire::Reader<T>& reader, const char* what, std::int64_t now_ns, Take&& take);
+  wire::Answer take_target(const wire::TaskTarget& sample);
+  wire::Answer take_weights(const wire::PlannerWeights& sample);
   void serve_clients(std::int64_t now_ns);
   void tell(double now);
 

@@ -10,6 +10,8 @@
 
 namespace c3rt::planner {
 
+constexpr double kLargestWeight = 1e12;  // that a scenario or a client may give
+
 /// Diagonal weights of one phase. G and U act on the scaled forces (docs/math.md).
 struct PhaseWeights {
   // by block of x: one for all bodies, or that of the active body and those of the others
