@@ -266,12 +266,13 @@ void Controller::watch_loop(const Input& input) noexcept {
   loop_age_ += (age - loop_age_) / kLoopMemory;
   const bool swings = fastest_joint(input.dq, parameters_.limits.dq_max) > kSwinging;
   const double bearable = late_ ? kLoopIsWell : kLateLoop;
-  const bool late = loop_age_ > (swings ? kLateSwinging : bearable) || lag(input, age) > bearable;
+  const double lag = take_lag(input, age);  // in every cycle, or a gap would seem to have been
+  const bool late = loop_age_ > (swings ? kLateSwinging : bearable) || lag > bearable;
   if (late && !late_) ++counters_.late_loops;
   late_ = late;
 }
 
-double Controller::lag(const Input& input, double age) noexcept {
+double Controller::take_lag(const Input& input, double age) noexcept {
   if (!input.robot_moves || input.answered_ns == 0) {
     answered_ns_ = 0;
     return lag_ = 1.0;

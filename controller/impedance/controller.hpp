@@ -160,7 +160,7 @@ class Controller {
   void watch_loop(const Input& input) noexcept;
   /// How late the newest few commands came, the one that is waited for among them. @param age of
   /// the newest one now; all in cycles
-  double lag(const Input& input, double age) noexcept;
+  double take_lag(const Input& input, double age) noexcept;
   void rest_here() noexcept;
   bool stop_ends_alone() const noexcept;
   bool recovers(bool asked) noexcept;
