@@ -190,9 +190,9 @@ bool with_topic(std::string_view name, Action&& action) {
 
 /// Whether a request says whom it is for; one that does not is for the only process that reads it.
 template <typename T, typename = void>
-constexpr bool kNamesProcess = false;
+inline constexpr bool kNamesProcess = false;
 template <typename T>
-constexpr bool kNamesProcess<T, std::void_t<decltype(T::process)>> = true;
+inline constexpr bool kNamesProcess<T, std::void_t<decltype(T::process)>> = true;
 
 /// Who is to answer a request that was let in.
 template <typename T>
