@@ -8,6 +8,8 @@
 #   tests/check.sh sanitizers          the unit and property tests under address and undefined-behaviour sanitizers
 #   tests/check.sh sanitizers --whole  the same of the whole suite, with its processes; not part of continuous integration
 #   tests/check.sh threads             the tests of what has threads under the thread sanitizer; not part of it either
+#   tests/check.sh fuzz [SAMPLES [FILES]]  so many samples of the topics (default: 10^7) and mutated files of all kinds (10^6) by
+#                                      libFuzzer, under both sanitizers; not part of it: hours. What it finds stays in build/fuzz/found
 #
 # Needs cmake/packages_check.txt (./c3rt check installs it) and, for tidy, a configured build (./c3rt build).
 set -euo pipefail
@@ -20,7 +22,7 @@ fail() {
   exit 1
 }
 usage() {
-  sed -n 's/^# \{0,1\}//; 2,12p' "${BASH_SOURCE[0]}"
+  sed -n 's/^# \{0,1\}//; 2,14p' "${BASH_SOURCE[0]}"
   exit "$1"
 }
 # need PROGRAM: of a fixed major version, since another one formats otherwise
@@ -139,13 +141,36 @@ threads() {
     fail "a test failed under the thread sanitizer: see above"
 }
 
+# fuzz_one KIND RUNS: its corpus grows in build/fuzz/found, where the next call goes on
+fuzz_one() {
+  local -r kind=$1 runs=$2 found=build/fuzz/found/$1 log=build/fuzz/found/$1.log
+  local -a seeds=("tests/fuzz/corpus/$kind")
+  [[ $kind != scenario ]] || seeds+=(config/scenarios)
+  mkdir -p "$found"
+  printf 'check: fuzz: %s: %s inputs; how far: %s\n' "$kind" "$runs" "$log"
+  "build/fuzz/tests/fuzz/c3rt_fuzz_$kind" -runs="$runs" -timeout=20 -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix="build/fuzz/found/$kind-" \
+    "$found" "${seeds[@]}" >"$log" 2>&1 || { tail -n 40 "$log" >&2; return 1; }
+  printf 'check: fuzz: %s: %s inputs, nothing found\n' "$kind" "$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")"
+}
+
+fuzz() {
+  local -r samples=${1:-10000000} files=${2:-1000000}
+  [[ $samples$files =~ ^[0-9]+$ ]] || usage 2 >&2
+  local -r kinds=(problem_file scenario mesh mcap)
+  cmake --preset fuzz >/dev/null
+  ninja -C build/fuzz -j "$jobs" --quiet c3rt_fuzz_wire "${kinds[@]/#/c3rt_fuzz_}" || fail "the fuzzers do not build"
+  export -f fuzz_one
+  { printf 'wire %s\n' "$samples"; printf "%s $((files / ${#kinds[@]}))\n" "${kinds[@]}"; } |
+    xargs -n 2 -P "$jobs" bash -c 'fuzz_one "$@" || exit 1' fuzz_one || fail "an input ended a fuzzer: see above, and build/fuzz/found"
+}
+
 case ${1:-all} in
   all)
     format
     tidy
     sanitizers
     ;;
-  format | tidy | sanitizers | threads) "$@" ;;
+  format | tidy | sanitizers | threads | fuzz) "$@" ;;
   -h | --help) usage 0 ;;
   *) usage 2 >&2 ;;
 esac

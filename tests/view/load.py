@@ -12,7 +12,7 @@ import tempfile
 import time
 
 from c3rt.client import Client
-from page import browser, c3rt, text_of, tick_cameras, until, view
+from page import browser, c3rt, going, text_of, tick_cameras, until, view
 
 SCENARIO = "circle_vision"
 WINDOW_S, SETTLE_S = 20.0, 8.0
@@ -37,12 +37,19 @@ def busy():
     return (sum(fields) - fields[3] - fields[4]) / os.sysconf("SC_CLK_TCK")
 
 
-def window(client):
-    before, busy_before = counters(client), busy()
+def worked(process):
+    """Seconds of a core that a process has taken."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def window(client, recorder):
+    before, busy_before, worked_before = counters(client), busy(), worked(recorder)
     time.sleep(WINDOW_S)
-    after, busy_after = counters(client), busy()
+    after, busy_after, worked_after = counters(client), busy(), worked(recorder)
     seen = {key: after[key] - before[key] for key in after if key[1] != "rate_hz"}
     seen |= {key: after[key] for key in after if key[1] == "rate_hz"}
+    seen["record", "of a core"] = (worked_after - worked_before) / WINDOW_S
     seen["machine", "busy"] = (busy_after - busy_before) / WINDOW_S  # processors
     seen["machine", "load"] = os.getloadavg()[0]
     return seen
@@ -54,10 +61,10 @@ def turn(folder):
     assert up.returncode == 0, up.stderr
     seen = []
     try:
-        with Client() as client:
+        with Client() as client, going("record", folder / "run.mcap") as recorder:
             def look(way):
                 time.sleep(SETTLE_S)
-                seen.append((way, window(client)))
+                seen.append((way, window(client, recorder)))
 
             look("nobody looks")
             with view(), browser() as driver:
@@ -82,7 +89,7 @@ def main():
             rows += turn(pathlib.Path(folder) / f"{i}")
             print(f"turn {i + 1} of {turns}, load {os.getloadavg()[0]:.1f}", flush=True)
     keys = list(rows[0][1])
-    print(f"{SCENARIO}, windows of {WINDOW_S:g} s, {2 * turns} each way, {os.cpu_count()} processors; median (least to most)")
+    print(f"{SCENARIO}, recorded, windows of {WINDOW_S:g} s, {2 * turns} each way, {os.cpu_count()} processors; median (least to most)")
     for way in ("nobody looks", "page", "page with pictures"):
         print(way)
         for key in keys:
