@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -60,16 +61,25 @@ bool silent(std::uint32_t domain) {
   return free;
 }
 
+bool take(int file, std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
 }  // namespace
 
 DomainLock::DomainLock(const std::filesystem::path& directory, std::uint32_t domain,
-                       const Instance& self)
+                       const Instance& self, std::chrono::milliseconds patience)
     : domain_(domain), self_(self) {
   const std::filesystem::path path = lock_file(directory, domain);
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0)
     throw UsageError("cannot open the lock " + path.string() + ": " + std::strerror(errno));
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+  if (!take(file_, patience)) {
     close(file_);
     std::string who = "another c3rt holds it";
     if (const auto other = read(path)) {
@@ -113,7 +123,7 @@ std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directo
   // from the end that nobody takes by hand
   for (std::uint32_t domain = kLastAny; domain >= kFirstAny; --domain) {
     try {
-      auto lock = std::make_unique<DomainLock>(directory, domain, self);
+      auto lock = std::make_unique<DomainLock>(directory, domain, self, std::chrono::milliseconds(0));
       if (silent(domain)) return lock;
     } catch (const DomainBusy&) {
     }

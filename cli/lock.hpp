@@ -1,6 +1,7 @@
 #pragma once
 // One instance per DDS domain: a lock that the kernel releases however its holder ends, and a note
 // of who holds it.
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -39,8 +40,10 @@ class DomainBusy : public UsageError {
 
 class DomainLock {
  public:
-  /// @throws DomainBusy "domain 0 is busy: …" that names the holder; it is not waited for
-  DomainLock(const std::filesystem::path& directory, std::uint32_t domain, const Instance& self);
+  /// @param patience of a holder that was killed, the last thread may end a moment later
+  /// @throws DomainBusy "domain 0 is busy: …" that names the holder
+  DomainLock(const std::filesystem::path& directory, std::uint32_t domain, const Instance& self,
+             std::chrono::milliseconds patience = std::chrono::seconds(1));
   ~DomainLock();
   DomainLock(const DomainLock&) = delete;
   DomainLock& operator=(const DomainLock&) = delete;

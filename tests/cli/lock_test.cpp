@@ -1,7 +1,10 @@
 #include "cli/lock.hpp"
 
+#include <chrono>
 #include <csignal>
+#include <memory>
 #include <optional>
+#include <thread>
 
 #include <arpa/inet.h>
 #include <catch2/catch.hpp>
@@ -44,6 +47,17 @@ TEST_CASE(
   }
   REQUIRE_FALSE(holder(folder, 3).has_value());
   REQUIRE_NOTHROW(DomainLock(folder, 3, someone()));
+}
+
+TEST_CASE("a holder that is just ending is waited for") {
+  const Folder temporary;
+  auto ending = std::make_unique<DomainLock>(temporary.path(), 3, someone());
+  std::thread end([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ending.reset();
+  });
+  CHECK_NOTHROW(DomainLock(temporary.path(), 3, someone(), std::chrono::minutes(1)));
+  end.join();
 }
 
 TEST_CASE("the lock of a killed instance is free again, and its last word stays") {

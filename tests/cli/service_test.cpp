@@ -201,7 +201,9 @@ TEST_CASE("service: a process that is left out is a client's, before or after th
 TEST_CASE("service: after everything was killed it comes up again at once") {
   const Service service;
   for (int i = 0; i < 2; ++i) {
-    REQUIRE(service.up().status == 0);
+    const Outcome up = service.up();
+    INFO(up.output);
+    REQUIRE(up.status == 0);
     const auto instance = holder(service.locks(), kDomain);
     REQUIRE(instance.has_value());
     REQUIRE(kill(instance->pid, SIGKILL) == 0);

@@ -44,6 +44,99 @@ as_service() {
   unshare --net bash -c 'ip link set lo up; exec "$@"' - chroot "$bare" /usr/sbin/runuser -u c3rt -- /usr/bin/env -i \
     PATH=/usr/bin:/bin HOME=/tmp XDG_RUNTIME_DIR=/tmp/run C3RT_KEYS=/var/lib/c3rt/keys "$@"
 }
+# Becomes the first process of a machine of its own, which is systemd; in namespaces of its own
+machine() {
+  ip link set lo up
+  # a root that services can have their own view of is a mount
+  mount --bind "$bare" "$bare"
+  mount -t proc proc "$bare/proc"
+  mount -t sysfs -o ro sysfs "$bare/sys"
+  mount -t tmpfs -o mode=755 tmpfs "$bare/run"
+  mount -t tmpfs -o mode=1777 tmpfs "$bare/tmp"
+  mount -t tmpfs -o mode=755 tmpfs "$bare/dev"
+  mkdir "$bare/dev/pts" "$bare/dev/shm"
+  mount -t devpts -o newinstance,ptmxmode=0666 devpts "$bare/dev/pts"
+  ln -s pts/ptmx "$bare/dev/ptmx"
+  ln -s /proc/self/fd "$bare/dev/fd"
+  local device
+  for device in null zero full random urandom tty; do
+    touch "$bare/dev/$device"
+    mount --bind "/dev/$device" "$bare/dev/$device"
+  done
+  if [ -e /sys/fs/cgroup/cgroup.controllers ]; then
+    mount -t cgroup2 cgroup2 "$bare/sys/fs/cgroup"
+  else
+    mount -t tmpfs -o mode=755 tmpfs "$bare/sys/fs/cgroup"
+    mkdir "$bare/sys/fs/cgroup/systemd" "$bare/sys/fs/cgroup/unified"
+    mount -t cgroup -o none,name=systemd cgroup "$bare/sys/fs/cgroup/systemd"
+    mount -t cgroup2 cgroup2 "$bare/sys/fs/cgroup/unified"
+  fi
+  cd "$bare"
+  pivot_root . mnt
+  umount --lazy /mnt
+  mount --make-rshared /
+  exec /usr/bin/env -i container=c3rt PATH=/usr/sbin:/usr/bin:/sbin:/bin /lib/systemd/systemd --unit=multi-user.target
+}
+in_machine() {
+  nsenter --target "$first" --all --root --wd /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C "$@"
+}
+# until SECONDS WORDS COMMAND...: repeats it until it succeeds
+until_so() {
+  local -r end=$((SECONDS + $1)) what=$2
+  shift 2
+  until "$@" > "$work/log" 2>&1; do
+    ((SECONDS < end)) || { tail -20 "$work/log"; in_machine journalctl --no-pager -n 30 -u 'c3rt-*' || true; fail "$what"; }
+    sleep 0.1
+  done
+}
+pid_of() { in_machine systemctl show --value -p MainPID "c3rt-$1"; }
+moves() { in_machine c3rt status > "$work/status" && grep -q "follows commands" "$work/status" && grep -q "tracks the plan" "$work/status"; }
+has_ended() { [ "$(pid_of "$1")" = 0 ]; }
+is_another() { local -r pid=$(pid_of "$1"); [ "$pid" != 0 ] && [ "$pid" != "$2" ]; }
+
+# the services as systemd runs them: their rights, what a death of each does, and their end
+booted() {
+  unshare --pid --fork --mount --propagation private --net --uts --ipc --cgroup "$0" --machine "$bare" > "$work/boot.log" 2>&1 &
+  local -r booting=$!
+  until_so 10 "process 1" pgrep --parent "$booting"
+  first=$(pgrep --parent "$booting")
+  trap 'kill -9 "$first" 2> /dev/null || true' EXIT
+  until_so 60 "systemd" in_machine systemctl is-active multi-user.target
+  in_machine systemctl start c3rt.target || fail "systemctl start c3rt.target"
+  until_so 30 "the robot does not move" moves
+  cat "$work/status"
+
+  local name before begin priority limits=true
+  prlimit --rtprio=1:1 true 2> /dev/null || limits=false
+  for name in plant impedance planner vision; do
+    before=$(pid_of "$name")
+    in_machine cat "/proc/$before/status" > "$work/rights"
+    [ "$(awk '/^Uid:/ {print $2}' "$work/rights")" = "$(in_machine id -u c3rt)" ] || fail "c3rt-$name is not the user c3rt"
+    grep -q "^CapEff:.0*$" "$work/rights" && grep -q "^CapBnd:.0*$" "$work/rights" || fail "c3rt-$name has a capability"
+    grep -q "^NoNewPrivs:.1$" "$work/rights" || fail "c3rt-$name may get new privileges"
+    priority=$(in_machine chrt --all-tasks --pid "$before" | awk '/priority/ && $NF > top {top = $NF} END {print top + 0}')
+    if "$limits"; then
+      [ "$(in_machine awk '/^Max realtime priority/ {print $4}' "/proc/$before/limits")" = "$priority" ] ||
+        fail "the highest thread of c3rt-$name has priority $priority, which is not all that its unit allows"
+    fi
+    echo "c3rt-$name: user c3rt, no capability, SCHED_FIFO up to $priority"
+  done
+  "$limits" || echo "this machine lets nobody raise a limit (CAP_SYS_RESOURCE): what the units allow was not looked at"
+  for name in vision planner impedance plant; do
+    before=$(pid_of "$name") begin=$(date +%s.%N)
+    in_machine systemctl kill --signal KILL --kill-who main "c3rt-$name"
+    until_so 5 "c3rt-$name is not started again" is_another "$name" "$before"
+    until_so 10 "the robot does not move after the death of c3rt-$name" moves
+    echo "kill -9 of c3rt-$name: the robot moves, and all four say so, $(date +%s.%N | awk -v begin="$begin" '{printf "%.1f", $1 - begin}') s later"
+  done
+  in_machine systemctl stop c3rt.target
+  for name in vision planner impedance plant; do
+    until_so 10 "c3rt-$name has not ended with the target" has_ended "$name"
+    if in_machine systemctl is-failed --quiet "c3rt-$name"; then fail "c3rt-$name ended with a failure"; fi
+  done
+  kill -9 "$first"
+}
+
 # every file and folder on the disk (/run is not) but what apt and dpkg keep of all packages, and who is known
 picture() {
   (cd "$bare" && find . -xdev \( -path ./proc -o -path ./run -o -path ./tmp -o -path ./packages -o -path ./var/cache -o -path ./var/lib/apt \
@@ -90,6 +183,9 @@ live() {
   as_service c3rt keys init --out /var/lib/c3rt/keys || fail "c3rt keys init"
   as_service c3rt run circle_slow --clock lockstep --no-pictures --profile secure --out /tmp/secure || fail "c3rt run, secure"
 
+  say "booted"
+  booted
+
   say "upgraded"
   echo "C3RT_DOMAIN=7" >> "$bare/etc/c3rt/service.conf"
   quietly dpkg --install $(files_of next) || fail "the upgrade"
@@ -108,6 +204,10 @@ live() {
   echo "nothing is left"
 }
 
+if [ "${1:-}" = --machine ]; then
+  bare=$2
+  machine
+fi
 if [ "${1:-}" = --live ]; then
   work=$2 bare=$3 next_version=$4
   live
