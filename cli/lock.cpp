@@ -123,7 +123,8 @@ std::unique_ptr<DomainLock> lock_any_domain(const std::filesystem::path& directo
   // from the end that nobody takes by hand
   for (std::uint32_t domain = kLastAny; domain >= kFirstAny; --domain) {
     try {
-      auto lock = std::make_unique<DomainLock>(directory, domain, self, std::chrono::milliseconds(0));
+      auto lock =
+          std::make_unique<DomainLock>(directory, domain, self, std::chrono::milliseconds(0));
       if (silent(domain)) return lock;
     } catch (const DomainBusy&) {
     }
